@@ -1,0 +1,49 @@
+"""Materials: one file a kind, each mirrored by ``cl/bsdf/NAME.cl``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from lumiere.registry import Registry
+from lumiere.scene.fields import Spectrum, boolean, choice, number, spectrum, texture
+
+
+@dataclass(kw_only=True)
+class Material:
+    """What every material may carry.
+
+    A subclass declares its own JSON keys as fields, and for the device:
+
+    * ``device_parameters``: names and kinds (``"number"`` or ``"spectrum"``) of what its BSDF's functions take;
+    * ``device_values``: those parameters' values, each a float, a spectrum or a texture (default: the attributes of the same names);
+    * ``device_kind``: the BSDF that shades it (default: ``type``);
+    * ``specular``: all of its lobes are Dirac deltas.
+    """
+
+    type: ClassVar[str]
+    device_parameters: ClassVar[dict[str, str]] = {}
+    specular: ClassVar[bool] = False
+    reflective: ClassVar[bool] = True
+    """Scatters on one side only, and so is two-sided unless the file says otherwise."""
+
+    name: str = ""
+    emission: Spectrum | Any = spectrum(0.0, textured=True, doc="emitted radiance, W m⁻² sr⁻¹")
+    emission_sides: str = choice("front", ["front", "both"], doc="the side that the normal points to, or both")
+    opacity: float | Any = number(1.0, low=0.0, high=1.0, textured=True, doc="fraction of rays that see the surface")
+    normal_map: Any = texture(doc="tangent-space normal, rgb in [0, 1] for xyz in [-1, 1]")
+    bump_map: Any = texture(doc="height whose gradient tilts the normal")
+    bump_scale: float = number(1.0, doc="metres of height per unit of the bump map")
+    two_sided: bool | None = boolean(None, nullable=True, doc="scatters on both sides (default: true for reflective kinds)")
+
+    @property
+    def device_kind(self) -> str:
+        """Name of the BSDF in ``cl/bsdf`` that shades this material."""
+        return self.type
+
+    def device_values(self) -> dict[str, Any]:
+        """The values of ``device_parameters``, by name."""
+        return {name: getattr(self, name) for name in self.device_parameters}
+
+
+MATERIALS: Registry[Material] = Registry("lumiere.bsdf", "material")

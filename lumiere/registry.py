@@ -1,0 +1,48 @@
+"""Registries: a kind is registered by being a module of its package."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import pkgutil
+from typing import Generic, TypeVar
+
+T = TypeVar("T")
+
+
+class Registry(Generic[T]):
+    """Kinds by their ``type`` name, filled by importing every module of ``package`` at the first look-up."""
+
+    def __init__(self, package: str, noun: str) -> None:
+        self.package = package
+        self.noun = noun
+        self._kinds: dict[str, type[T]] = {}
+        self._discovered = False
+
+    def register(self, kind: type[T]) -> type[T]:
+        """Class decorator: adds ``kind`` under its ``type``. Raises ValueError where the name is taken."""
+        name = kind.type  # type: ignore[attr-defined]
+        taken = self._kinds.get(name)
+        if taken is not None and taken.__qualname__ != kind.__qualname__:
+            raise ValueError(f"{self.noun} '{name}' is registered twice: {taken!r} and {kind!r}")
+        self._kinds[name] = kind
+        return kind
+
+    def kinds(self) -> dict[str, type[T]]:
+        """All kinds, by name, in alphabetical order."""
+        if not self._discovered:
+            self._discovered = True
+            package = importlib.import_module(self.package)
+            for module in pkgutil.iter_modules(package.__path__):
+                importlib.import_module(f"{self.package}.{module.name}")
+        return dict(sorted(self._kinds.items()))
+
+    def get(self, name: str) -> type[T] | None:
+        """The kind called ``name``, or None."""
+        return self.kinds().get(name)
+
+
+def nearest(name: str, known: object) -> str | None:
+    """The known name closest to ``name``, or None where none is close."""
+    close = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)  # type: ignore[call-overload]
+    return close[0] if close else None
