@@ -29,8 +29,7 @@ class Field:
     """One JSON key of a kind.
 
     ``kind`` is one of ``number``, ``integer``, ``boolean``, ``spectrum``, ``vector`` (``size`` numbers), ``choice`` (``options``),
-    ``string``, ``file``, ``transform``, ``name`` (of an entry of the scene's object ``of``), ``texture``, ``array`` (numbers, in rows of ``size``)
-    or ``object`` (``of`` is a class). ``low`` and ``high`` bound every number; an ``open`` bound is excluded.
+    ``string``, ``file``, ``transform``, ``texture``, ``material``, ``array`` (numbers, in rows of ``size``) or ``object`` (``of`` is a class). ``low`` and ``high`` bound every number; an ``open`` bound is excluded.
     """
 
     kind: str
@@ -115,6 +114,16 @@ def texture(doc: str = "") -> Any:
 def array(default: Any = None, *, size: int, integers: bool = False, doc: str = "") -> Any:
     """A numpy array of shape (n, size): float64, or int64 where ``integers``; None where not given."""
     return _declare(Field("array", default, size=size, of=int if integers else float, nullable=True, doc=doc))
+
+
+def material(doc: str = "") -> Any:
+    """A Material from its name or an inline object, or None."""
+    return _declare(Field("material", None, nullable=True, doc=doc))
+
+
+def nested(of: type, doc: str = "") -> Any:
+    """An object read by the fields of the dataclass ``of``; by default ``of()``."""
+    return dataclasses.field(default_factory=of, metadata={"lumiere": Field("object", None, of=of, doc=doc)})
 
 
 def fields_of(cls: type) -> dict[str, Field]:
