@@ -50,6 +50,10 @@ def _declare(field: Field) -> Any:
     if field.default is REQUIRED:
         return dataclasses.field(metadata={"lumiere": field})
     default = field.default
+    if field.kind == "kind":
+        return dataclasses.field(default_factory=lambda: field.of.get(default)(), metadata={"lumiere": field})
+    if field.kind == "object" and default is not None:
+        return dataclasses.field(default_factory=field.of, metadata={"lumiere": field})
     if field.kind == "spectrum" and isinstance(default, (int, float)):
         default = (float(default),) * 3
     if isinstance(default, (list, dict)):
@@ -81,14 +85,19 @@ def spectrum(default: Any = REQUIRED, *, low: float = 0.0, high: float | None = 
 
 
 def vector(default: Any = REQUIRED, *, size: int = 3, low: float | None = None, high: float | None = None,
-           nullable: bool = False, doc: str = "") -> Any:
-    """A tuple of ``size`` floats."""
-    return _declare(Field("vector", default, low, high, size=size, nullable=nullable, doc=doc))
+           nullable: bool = False, integers: bool = False, doc: str = "") -> Any:
+    """A tuple of ``size`` floats, or ints where ``integers``."""
+    return _declare(Field("vector", default, low, high, size=size, of=int if integers else float, nullable=nullable, doc=doc))
 
 
 def choice(default: Any, options: Sequence[str], *, nullable: bool = False, doc: str = "") -> Any:
     """One of ``options``."""
     return _declare(Field("choice", default, options=tuple(options), nullable=nullable, doc=doc))
+
+
+def choices(options: Sequence[str], *, doc: str = "") -> Any:
+    """A tuple of distinct ``options``, empty where the file gives none."""
+    return _declare(Field("choices", (), options=tuple(options), doc=doc))
 
 
 def string(default: Any = REQUIRED, *, nullable: bool = False, doc: str = "") -> Any:
@@ -109,6 +118,21 @@ def transform(doc: str = "") -> Any:
 def texture(doc: str = "") -> Any:
     """A texture (by name or inline) or None."""
     return _declare(Field("texture", None, nullable=True, textured=True, doc=doc))
+
+
+def reference(of: str, *, doc: str = "") -> Any:
+    """What the scene's object ``of`` (``"materials"``, ``"textures"``) calls by a name, or an inline object of the same sort; or None."""
+    return _declare(Field("name", None, of=of, nullable=True, doc=doc))
+
+
+def nested(of: type, *, nullable: bool = False, doc: str = "") -> Any:
+    """An instance of the dataclass ``of``, whose fields are declared as a kind's are; where not given, ``of()``, or None if ``nullable``."""
+    return _declare(Field("object", None if nullable else of, of=of, nullable=nullable, doc=doc))
+
+
+def kind(of: Any, default: str, *, doc: str = "") -> Any:
+    """An instance of one of the kinds of the registry ``of``; ``default`` is its type where not given."""
+    return _declare(Field("kind", default, of=of, doc=doc))
 
 
 def array(default: Any = None, *, size: int, integers: bool = False, doc: str = "") -> Any:
