@@ -43,6 +43,7 @@ class Field:
     of: Any = None
     textured: bool = False
     nullable: bool = False
+    broadcast: bool = False
     doc: str = ""
 
 
@@ -84,10 +85,11 @@ def spectrum(default: Any = REQUIRED, *, low: float = 0.0, high: float | None = 
     return _declare(Field("spectrum", default, low, high, textured=textured, nullable=nullable, doc=doc))
 
 
-def vector(default: Any = REQUIRED, *, size: int = 3, low: float | None = None, high: float | None = None,
-           nullable: bool = False, integers: bool = False, doc: str = "") -> Any:
-    """A tuple of ``size`` floats, or ints where ``integers``."""
-    return _declare(Field("vector", default, low, high, size=size, of=int if integers else float, nullable=nullable, doc=doc))
+def vector(default: Any = REQUIRED, *, size: int = 3, low: float | None = None, high: float | None = None, nullable: bool = False,
+           integers: bool = False, broadcast: bool = False, doc: str = "") -> Any:
+    """A tuple of ``size`` floats, or ints where ``integers``. ``broadcast``: a single number stands for ``size`` equal ones."""
+    return _declare(Field("vector", default, low, high, size=size, of=int if integers else float, nullable=nullable,
+                          broadcast=broadcast, doc=doc))
 
 
 def choice(default: Any, options: Sequence[str], *, nullable: bool = False, doc: str = "") -> Any:
