@@ -28,8 +28,10 @@ Spectrum = tuple[float, float, float]
 class Field:
     """One JSON key of a kind.
 
-    ``kind`` is one of ``number``, ``integer``, ``boolean``, ``spectrum``, ``vector`` (``size`` numbers), ``choice`` (``options``),
-    ``string``, ``file``, ``transform``, ``texture``, ``material``, ``array`` (numbers, in rows of ``size``) or ``object`` (``of`` is a class). ``low`` and ``high`` bound every number; an ``open`` bound is excluded.
+    ``kind`` is one of ``number``, ``integer``, ``boolean``, ``spectrum``, ``vector`` (``size`` numbers, integers where ``of`` is int),
+    ``choice`` (one of ``options``), ``choices`` (any of them), ``string``, ``file``, ``transform``, ``texture``, ``material``, ``array``
+    (numbers, in rows of ``size``), ``object`` (``of`` is a class) or ``kind`` (``of`` is a registry, ``default`` the type).
+    ``low`` and ``high`` bound every number; an ``open`` bound is excluded.
     """
 
     kind: str
@@ -122,13 +124,13 @@ def texture(doc: str = "") -> Any:
     return _declare(Field("texture", None, nullable=True, textured=True, doc=doc))
 
 
-def reference(of: str, *, doc: str = "") -> Any:
-    """What the scene's object ``of`` (``"materials"``, ``"textures"``) calls by a name, or an inline object of the same sort; or None."""
-    return _declare(Field("name", None, of=of, nullable=True, doc=doc))
+def material(doc: str = "") -> Any:
+    """A Material from its name or an inline object, or None."""
+    return _declare(Field("material", None, nullable=True, doc=doc))
 
 
 def nested(of: type, *, nullable: bool = False, doc: str = "") -> Any:
-    """An instance of the dataclass ``of``, whose fields are declared as a kind's are; where not given, ``of()``, or None if ``nullable``."""
+    """An object read by the fields of the dataclass ``of``; where not given, ``of()``, or None if ``nullable``."""
     return _declare(Field("object", None if nullable else of, of=of, nullable=nullable, doc=doc))
 
 
@@ -140,16 +142,6 @@ def kind(of: Any, default: str, *, doc: str = "") -> Any:
 def array(default: Any = None, *, size: int, integers: bool = False, doc: str = "") -> Any:
     """A numpy array of shape (n, size): float64, or int64 where ``integers``; None where not given."""
     return _declare(Field("array", default, size=size, of=int if integers else float, nullable=True, doc=doc))
-
-
-def material(doc: str = "") -> Any:
-    """A Material from its name or an inline object, or None."""
-    return _declare(Field("material", None, nullable=True, doc=doc))
-
-
-def nested(of: type, doc: str = "") -> Any:
-    """An object read by the fields of the dataclass ``of``; by default ``of()``."""
-    return dataclasses.field(default_factory=of, metadata={"lumiere": Field("object", None, of=of, doc=doc)})
 
 
 def fields_of(cls: type) -> dict[str, Field]:
