@@ -1,0 +1,37 @@
+// Integer CDFs (lumiere/light/distribution.py): entry i is drawn by a uniform 32-bit u with cdf[i − 1] < u ≤ cdf[i].
+
+typedef struct {
+    uint index;
+    float probability;
+    uint rest;  // what is left of u, stretched to 32 bits
+} discrete_t;
+
+inline uint discrete_below(global const uint *cdf, uint index)
+{
+    return index == 0u ? 0u : cdf[index - 1u] + 1u;
+}
+
+inline float discrete_probability(global const uint *cdf, uint index)
+{
+    // The width of an only entry is 2³², one more than an uint holds.
+    return ((float)(cdf[index] - discrete_below(cdf, index)) + 1.0f) * 0x1p-32f;
+}
+
+inline discrete_t discrete_sample(global const uint *cdf, uint count, uint u)
+{
+    uint low = 0u, high = count - 1u;
+    while (low < high) {
+        uint middle = (low + high) >> 1;
+        if (cdf[middle] < u)
+            low = middle + 1u;
+        else
+            high = middle;
+    }
+    discrete_t d;
+    d.index = low;
+    d.probability = discrete_probability(cdf, low);
+    uint below = discrete_below(cdf, low);
+    ulong width = (ulong)(cdf[low] - below) + 1UL;
+    d.rest = (uint)(((ulong)(u - below) << 32) / width);
+    return d;
+}

@@ -1,0 +1,20 @@
+// Ray origins off a surface by the bound of the error with which the surface's point is known, not by a constant epsilon.
+// Source: Pharr, Jakob & Humphreys, Physically Based Rendering 4ed, §6.8.6.
+
+#include "lib/math.cl"
+
+
+// The point p, known to within ±error, moved along the geometric normal to the side that w points to, so far that it is surely off the surface.
+inline float3 offset_origin(float3 p, float3 error, float3 normal, float3 w)
+{
+    float distance = dot(fabs(normal), error);
+    float3 offset = distance * normal;
+    if (dot(w, normal) < 0.0f)
+        offset = -offset;
+    float3 o = p + offset;
+    // Rounding p + offset could bring it back: one more float away.
+    o.x = offset.x > 0.0f ? nextafter(o.x, INFINITY) : offset.x < 0.0f ? nextafter(o.x, -INFINITY) : o.x;
+    o.y = offset.y > 0.0f ? nextafter(o.y, INFINITY) : offset.y < 0.0f ? nextafter(o.y, -INFINITY) : o.y;
+    o.z = offset.z > 0.0f ? nextafter(o.z, INFINITY) : offset.z < 0.0f ? nextafter(o.z, -INFINITY) : o.z;
+    return o;
+}

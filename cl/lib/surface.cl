@@ -1,0 +1,52 @@
+// The point that a ray meets, and a point of a light.
+
+typedef struct {
+    float3 p;       // world space
+    float3 error;   // |p − true point| ≤ error, per coordinate
+    float3 ng;      // geometric normal, unit, out of the front side
+    float3 ns;      // shading normal, unit, on the side of ng
+#ifdef SURFACE_UV
+    float2 uv;
+#endif
+#ifdef SURFACE_TANGENT
+    float3 dpdu;    // not unit; 0 where there is none
+    float3 dpdv;
+#endif
+#ifdef SURFACE_COLOR
+    float3 color;   // of the vertices, white where there is none
+#endif
+} surface_t;
+
+typedef struct {
+    surface_t surface;
+    float pdf;      // over solid angle at the reference point; 0: the sample failed
+} light_point_t;
+
+// Density over area → over solid angle seen from `reference` (PBR 4ed, eq. 4.17).
+inline float area_to_solid_angle(float pdf, float3 reference, const surface_t *surface)
+{
+    float3 w = surface->p - reference;
+    float distance2 = dot(w, w);
+    float cosine = fabs(dot(surface->ng, w)) * rsqrt(distance2);
+    return cosine > 0.0f && distance2 > 0.0f ? pdf * distance2 / cosine : 0.0f;
+}
+
+inline surface_t surface_new(float3 p, float3 error, float3 normal)
+{
+    surface_t s;
+    s.p = p;
+    s.error = error;
+    s.ng = normal;
+    s.ns = normal;
+#ifdef SURFACE_UV
+    s.uv = (float2)(0.0f);
+#endif
+#ifdef SURFACE_TANGENT
+    s.dpdu = (float3)(0.0f);
+    s.dpdv = (float3)(0.0f);
+#endif
+#ifdef SURFACE_COLOR
+    s.color = (float3)(1.0f);
+#endif
+    return s;
+}

@@ -1,0 +1,102 @@
+// Triangles. scene->triangle_vertices holds nine floats each; what vertices carry is found through scene->triangle_corners.
+
+#include "lib/math.cl"
+#include "lib/surface.cl"
+#include "shape/triangle_test.cl"
+
+// Point with barycentrics b of the vertices v0, v1, v2 and the bound of its error (PBR 4ed, §6.8.5).
+inline surface_t triangle_point(float3 v0, float3 v1, float3 v2, float3 b)
+{
+    float3 p0 = b.x * v0, p1 = b.y * v1, p2 = b.z * v2;
+    float3 e1 = v1 - v0, e2 = v2 - v0;
+    // Brought to unit size first: the cross product of small edges would underflow.
+    float size = fmax(max_component(fabs(e1)), max_component(fabs(e2)));
+    float3 normal = normalize(cross(e1 / size, e2 / size));
+    return surface_new(p0 + p1 + p2, GAMMA(7) * (fabs(p0) + fabs(p1) + fabs(p2)), normal);
+}
+
+#ifdef TRIANGLE_CORNERS
+// Adds what the vertices carry: normals, uv and its tangents, colours.
+inline void triangle_interpolate(const scene_t *scene, uint index, float3 v0, float3 v1, float3 v2, float3 b, surface_t *s)
+{
+    global const uint *corner = scene->triangle_corners + 3 * (size_t)index;
+    if (corner[0] == 0xffffffffu) {
+#ifdef SURFACE_UV
+        s->uv = b.yz;
+#endif
+        return;
+    }
+#ifdef VERTEX_NORMALS
+    float3 n = b.x * load3(scene->vertex_normals + 3 * (size_t)corner[0]) + b.y * load3(scene->vertex_normals + 3 * (size_t)corner[1])
+             + b.z * load3(scene->vertex_normals + 3 * (size_t)corner[2]);
+    float length2 = dot(n, n);
+    if (length2 > 0.0f) {
+        n *= rsqrt(length2);
+        s->ns = dot(n, s->ng) < 0.0f ? -n : n;
+    }
+#endif
+#ifdef SURFACE_UV
+    float2 t0 = (float2)(0.0f), t1 = (float2)(1.0f, 0.0f), t2 = (float2)(0.0f, 1.0f);
+#ifdef VERTEX_UVS
+    global const float *uvs = scene->vertex_uvs;
+    if (!isnan(uvs[2 * (size_t)corner[0]])) {
+        t0 = (float2)(uvs[2 * (size_t)corner[0]], uvs[2 * (size_t)corner[0] + 1]);
+        t1 = (float2)(uvs[2 * (size_t)corner[1]], uvs[2 * (size_t)corner[1] + 1]);
+        t2 = (float2)(uvs[2 * (size_t)corner[2]], uvs[2 * (size_t)corner[2] + 1]);
+    }
+#endif
+    s->uv = b.x * t0 + b.y * t1 + b.z * t2;
+#ifdef SURFACE_TANGENT
+    // p(u, v) is linear over the triangle: its derivatives solve a 2 × 2 system (PBR 4ed, eq. 6.6).
+    float2 d1 = t1 - t0, d2 = t2 - t0;
+    float determinant = d1.x * d2.y - d1.y * d2.x;
+    if (determinant != 0.0f) {
+        s->dpdu = (d2.y * (v1 - v0) - d1.y * (v2 - v0)) / determinant;
+        s->dpdv = (d1.x * (v2 - v0) - d2.x * (v1 - v0)) / determinant;
+    }
+#endif
+#endif
+#ifdef SURFACE_COLOR
+    s->color = b.x * load3(scene->vertex_colors + 3 * (size_t)corner[0]) + b.y * load3(scene->vertex_colors + 3 * (size_t)corner[1])
+             + b.z * load3(scene->vertex_colors + 3 * (size_t)corner[2]);
+#endif
+}
+#endif
+
+inline surface_t triangle_at(const scene_t *scene, uint index, float3 b)
+{
+    global const float *v = scene->triangle_vertices + 9 * (size_t)index;
+    float3 v0 = load3(v), v1 = load3(v + 3), v2 = load3(v + 6);
+    surface_t s = triangle_point(v0, v1, v2, b);
+#ifdef TRIANGLE_CORNERS
+    triangle_interpolate(scene, index, v0, v1, v2, b, &s);
+#endif
+    return s;
+}
+
+inline surface_t triangle_surface(const scene_t *scene, uint index, const ray_t *ray, const hit_t *hit)
+{
+    return triangle_at(scene, index, (float3)(1.0f - hit->u - hit->v, hit->u, hit->v));
+}
+
+inline float triangle_area(const scene_t *scene, uint index)
+{
+    global const float *v = scene->triangle_vertices + 9 * (size_t)index;
+    return 0.5f * length(cross(load3(v + 3) - load3(v), load3(v + 6) - load3(v)));
+}
+
+// Uniform over the area, by a fold that keeps strata compact (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
+inline light_point_t triangle_sample(const scene_t *scene, uint index, float3 reference, float2 u)
+{
+    float b1 = u.x > u.y ? u.x - 0.5f * u.y : 0.5f * u.x;
+    float b2 = u.x > u.y ? 0.5f * u.y : u.y - 0.5f * u.x;
+    light_point_t point;
+    point.surface = triangle_at(scene, index, (float3)(1.0f - b1 - b2, b1, b2));
+    point.pdf = area_to_solid_angle(1.0f / triangle_area(scene, index), reference, &point.surface);
+    return point;
+}
+
+inline float triangle_sample_pdf(const scene_t *scene, uint index, float3 reference, const surface_t *surface)
+{
+    return area_to_solid_angle(1.0f / triangle_area(scene, index), reference, surface);
+}
