@@ -27,3 +27,23 @@ def look_at_matrix(origin: np.ndarray, target: np.ndarray, up: np.ndarray) -> np
     matrix[:3, 2] = back
     matrix[:3, 3] = origin
     return matrix
+
+
+def rotation_matrix(axis: np.ndarray, angle: float) -> np.ndarray:
+    """The rotation by ``angle`` degrees, counter-clockwise seen against the non-zero ``axis`` (Rodrigues' formula)."""
+    x, y, z = np.asarray(axis, dtype=np.float64) / np.linalg.norm(axis)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn = np.deg2rad(angle)
+    matrix = np.eye(4)
+    matrix[:3, :3] += np.sin(turn) * cross + (1.0 - np.cos(turn)) * (cross @ cross)
+    return matrix
+
+
+def is_degenerate(matrix: np.ndarray) -> bool:
+    """Whether the linear part of the finite ``matrix`` flattens space: its smallest singular value is nothing beside its largest."""
+    linear = matrix[:3, :3]
+    largest = np.abs(linear).max()
+    if largest == 0.0:
+        return True
+    values = np.linalg.svd(linear / largest, compute_uv=False)
+    return not values[-1] > 1e-12 * values[0]
