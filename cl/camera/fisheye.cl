@@ -2,7 +2,7 @@
 
 #include "lib/math.cl"
 
-inline bool camera_ray(global const camera_t *camera, float2 at, float2 lens, float3 *origin, float3 *direction)
+static inline bool camera_ray(global const camera_t *camera, float2 at, float2 lens, float3 *origin, float3 *direction)
 {
     float2 angle = (float2)((2.0f * at.x - 1.0f) * camera->half_angle[0], (1.0f - 2.0f * at.y) * camera->half_angle[1]);
     float theta = length(angle);

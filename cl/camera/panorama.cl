@@ -2,7 +2,7 @@
 
 #include "lib/math.cl"
 
-inline bool camera_ray(global const camera_t *camera, float2 at, float2 lens, float3 *origin, float3 *direction)
+static inline bool camera_ray(global const camera_t *camera, float2 at, float2 lens, float3 *origin, float3 *direction)
 {
     float phi = 2.0f * PI * (at.x - 0.5f), theta = PI * at.y;
     *origin = (float3)(0.0f);

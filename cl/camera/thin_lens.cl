@@ -4,7 +4,7 @@
 #include "lib/warp.cl"
 
 // Uniform in a regular polygon of unit circumradius: one of its triangles, then a point in it.
-inline float2 square_to_polygon(float2 u, float blades)
+static inline float2 square_to_polygon(float2 u, float blades)
 {
     float scaled = u.x * blades;
     float blade = floor(scaled);
@@ -14,7 +14,7 @@ inline float2 square_to_polygon(float2 u, float blades)
     return r * ((1.0f - v.x) * (float2)(cos(first), sin(first)) + v.x * (float2)(cos(second), sin(second)));
 }
 
-inline bool camera_ray(global const camera_t *camera, float2 at, float2 lens, float3 *origin, float3 *direction)
+static inline bool camera_ray(global const camera_t *camera, float2 at, float2 lens, float3 *origin, float3 *direction)
 {
     float3 through = (float3)((2.0f * at.x - 1.0f) * camera->half_extent[0], (1.0f - 2.0f * at.y) * camera->half_extent[1], -1.0f);
     float2 disk = camera->blades > 0.0f ? square_to_polygon(lens, camera->blades) : square_to_disk(lens);

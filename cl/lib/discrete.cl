@@ -6,18 +6,18 @@ typedef struct {
     uint rest;  // what is left of u, stretched to 32 bits
 } discrete_t;
 
-inline uint discrete_below(global const uint *cdf, uint index)
+static inline uint discrete_below(global const uint *cdf, uint index)
 {
     return index == 0u ? 0u : cdf[index - 1u] + 1u;
 }
 
-inline float discrete_probability(global const uint *cdf, uint index)
+static inline float discrete_probability(global const uint *cdf, uint index)
 {
     // The width of an only entry is 2³², one more than an uint holds.
     return ((float)(cdf[index] - discrete_below(cdf, index)) + 1.0f) * 0x1p-32f;
 }
 
-inline discrete_t discrete_sample(global const uint *cdf, uint count, uint u)
+static inline discrete_t discrete_sample(global const uint *cdf, uint count, uint u)
 {
     uint low = 0u, high = count - 1u;
     while (low < high) {

@@ -7,7 +7,7 @@ typedef struct {
 } frame_t;
 
 // A frame about the unit vector n, without branches (Duff et al. 2017, "Building an Orthonormal Basis, Revisited", listing 3).
-inline frame_t frame_about(float3 n)
+static inline frame_t frame_about(float3 n)
 {
     float sign = copysign(1.0f, n.z);
     float a = -1.0f / (sign + n.z);
@@ -20,7 +20,7 @@ inline frame_t frame_about(float3 n)
 }
 
 // A frame about n whose s lies along the tangent as far as it can; without a usable tangent, any.
-inline frame_t frame_along(float3 n, float3 tangent)
+static inline frame_t frame_along(float3 n, float3 tangent)
 {
     float3 s = tangent - n * dot(n, tangent);
     float length2 = dot(s, s);
@@ -33,12 +33,12 @@ inline frame_t frame_along(float3 n, float3 tangent)
     return f;
 }
 
-inline float3 frame_to_local(const frame_t *f, float3 v)
+static inline float3 frame_to_local(const frame_t *f, float3 v)
 {
     return (float3)(dot(f->s, v), dot(f->t, v), dot(f->n, v));
 }
 
-inline float3 frame_to_world(const frame_t *f, float3 v)
+static inline float3 frame_to_world(const frame_t *f, float3 v)
 {
     return v.x * f->s + v.y * f->t + v.z * f->n;
 }

@@ -1,7 +1,7 @@
 // Integer hashes.
 
 // A permutation of 32 bits whose every input bit reaches every output bit (Wellons 2018, "prospector", lowbias32).
-inline uint hash_uint(uint x)
+static inline uint hash_uint(uint x)
 {
     x ^= x >> 16;
     x *= 0x7feb352du;
@@ -11,7 +11,7 @@ inline uint hash_uint(uint x)
     return x;
 }
 
-inline uint hash_combine(uint seed, uint value)
+static inline uint hash_combine(uint seed, uint value)
 {
     return hash_uint(seed ^ (value * 0x9e3779b9u + 0x85ebca6bu));
 }

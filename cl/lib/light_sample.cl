@@ -8,7 +8,7 @@ typedef struct {
     int delta;        // no ray meets the light by chance
 } light_sample_t;
 
-inline light_sample_t light_sample_new(float3 target, float3 radiance, float pdf, int infinite, int delta)
+static inline light_sample_t light_sample_new(float3 target, float3 radiance, float pdf, int infinite, int delta)
 {
     light_sample_t s;
     s.target = target;

@@ -8,40 +8,40 @@
 // Bound of the relative error after n roundings (Higham 2002, §3.1; PBR 4ed, eq. 6.18).
 #define GAMMA(n) (((n) * MACHINE_EPSILON) / (1.0f - (n) * MACHINE_EPSILON))
 
-inline float max_component(float3 v)
+static inline float max_component(float3 v)
 {
     return fmax(v.x, fmax(v.y, v.z));
 }
 
-inline float luminance(float3 c)
+static inline float luminance(float3 c)
 {
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
 }
 
-inline bool is_black(float3 c)
+static inline bool is_black(float3 c)
 {
     return c.x == 0.0f && c.y == 0.0f && c.z == 0.0f;
 }
 
-inline float3 load3(global const float *p)
+static inline float3 load3(global const float *p)
 {
     return (float3)(p[0], p[1], p[2]);
 }
 
 // Rows of a 3 × 3 matrix times v.
-inline float3 rotate3(global const float *m, float3 v)
+static inline float3 rotate3(global const float *m, float3 v)
 {
     return (float3)(dot(load3(m), v), dot(load3(m + 3), v), dot(load3(m + 6), v));
 }
 
 // The transpose of a 3 × 3 matrix times v.
-inline float3 rotate3_back(global const float *m, float3 v)
+static inline float3 rotate3_back(global const float *m, float3 v)
 {
     return v.x * load3(m) + v.y * load3(m + 3) + v.z * load3(m + 6);
 }
 
 // Unit interval from 32 random bits: the 24 that a float holds, below 1.
-inline float unit_float(uint bits)
+static inline float unit_float(uint bits)
 {
     return (float)(bits >> 8) * 0x1p-24f;
 }

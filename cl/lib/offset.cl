@@ -5,7 +5,7 @@
 
 
 // The point p, known to within ±error, moved along the geometric normal to the side that w points to, so far that it is surely off the surface.
-inline float3 offset_origin(float3 p, float3 error, float3 normal, float3 w)
+static inline float3 offset_origin(float3 p, float3 error, float3 normal, float3 w)
 {
     float distance = dot(fabs(normal), error);
     float3 offset = distance * normal;

@@ -23,7 +23,7 @@ typedef struct {
 } light_point_t;
 
 // Density over area → over solid angle seen from `reference` (PBR 4ed, eq. 4.17).
-inline float area_to_solid_angle(float pdf, float3 reference, const surface_t *surface)
+static inline float area_to_solid_angle(float pdf, float3 reference, const surface_t *surface)
 {
     float3 w = surface->p - reference;
     float distance2 = dot(w, w);
@@ -31,7 +31,7 @@ inline float area_to_solid_angle(float pdf, float3 reference, const surface_t *s
     return cosine > 0.0f && distance2 > 0.0f ? pdf * distance2 / cosine : 0.0f;
 }
 
-inline surface_t surface_new(float3 p, float3 error, float3 normal)
+static inline surface_t surface_new(float3 p, float3 error, float3 normal)
 {
     surface_t s;
     s.p = p;

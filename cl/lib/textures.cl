@@ -8,7 +8,7 @@
     case number: \
         return NAME##_texture(scene, id & 0xffffffu, surface);
 
-inline float3 texture_value(const scene_t *scene, uint id, const surface_t *surface)
+static inline float3 texture_value(const scene_t *scene, uint id, const surface_t *surface)
 {
     switch (id >> 24) {
     FOR_EACH_TEXTURE(TEXTURE_CASE)
@@ -17,7 +17,7 @@ inline float3 texture_value(const scene_t *scene, uint id, const surface_t *surf
 }
 
 // What a number takes from a texture: its mean channel.
-inline float texture_number(const scene_t *scene, uint id, const surface_t *surface)
+static inline float texture_number(const scene_t *scene, uint id, const surface_t *surface)
 {
     float3 value = texture_value(scene, id, surface);
     return (value.x + value.y + value.z) / 3.0f;

@@ -1,18 +1,18 @@
 // The constant environment: uniform over the sphere.
 
-inline light_sample_t environment_sample(const scene_t *scene, uint index, float3 reference, uint2 u)
+static inline light_sample_t environment_sample(const scene_t *scene, uint index, float3 reference, uint2 u)
 {
     float z = 1.0f - 2.0f * unit_float(u.x), phi = 2.0f * PI * unit_float(u.y);
     float r = sqrt(fmax(0.0f, 1.0f - z * z));
     return light_sample_new((float3)(r * cos(phi), r * sin(phi), z), load3(scene->environment_lights[index].radiance), 0.5f * INV_TWO_PI, 1, 0);
 }
 
-inline float environment_pdf(const scene_t *scene, uint index, float3 w)
+static inline float environment_pdf(const scene_t *scene, uint index, float3 w)
 {
     return 0.5f * INV_TWO_PI;
 }
 
-inline float3 environment_radiance(const scene_t *scene, uint index, float3 w)
+static inline float3 environment_radiance(const scene_t *scene, uint index, float3 w)
 {
     return load3(scene->environment_lights[index].radiance);
 }

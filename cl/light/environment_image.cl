@@ -3,18 +3,18 @@
 
 #include "lib/discrete.cl"
 
-inline float3 environment_texel(const scene_t *scene, int width, int x, int y)
+static inline float3 environment_texel(const scene_t *scene, int width, int x, int y)
 {
     return load3(scene->environment_texels + 3 * ((size_t)y * (size_t)width + (size_t)x));
 }
 
-inline float2 environment_uv(global const environment_image_light_t *light, float3 w)
+static inline float2 environment_uv(global const environment_image_light_t *light, float3 w)
 {
     float3 d = rotate3(&light->to_local[0], w);
     return (float2)(0.5f + atan2(d.x, -d.z) * INV_TWO_PI, atan2(hypot(d.x, d.z), d.y) * INV_PI);
 }
 
-inline float3 environment_image_lookup(const scene_t *scene, global const environment_image_light_t *light, float2 uv)
+static inline float3 environment_image_lookup(const scene_t *scene, global const environment_image_light_t *light, float2 uv)
 {
     int width = light->width, height = light->height;
     float x = uv.x * (float)width - 0.5f, y = uv.y * (float)height - 0.5f;
@@ -29,12 +29,12 @@ inline float3 environment_image_lookup(const scene_t *scene, global const enviro
 }
 
 // Density over the sphere of a texel drawn with `probability`: over its angles, 2π/w × π/h, each of solid angle sin θ.
-inline float environment_image_density(global const environment_image_light_t *light, float probability, float sine)
+static inline float environment_image_density(global const environment_image_light_t *light, float probability, float sine)
 {
     return sine > 0.0f ? probability * (float)light->width * (float)light->height / (2.0f * PI * PI * sine) : 0.0f;
 }
 
-inline light_sample_t environment_image_sample(const scene_t *scene, uint index, float3 reference, uint2 u)
+static inline light_sample_t environment_image_sample(const scene_t *scene, uint index, float3 reference, uint2 u)
 {
     global const environment_image_light_t *light = scene->environment_image_lights + index;
     discrete_t row = discrete_sample(scene->environment_rows, (uint)light->height, u.y);
@@ -47,7 +47,7 @@ inline light_sample_t environment_image_sample(const scene_t *scene, uint index,
     return light_sample_new(w, environment_image_lookup(scene, light, uv), pdf, 1, 0);
 }
 
-inline float environment_image_pdf(const scene_t *scene, uint index, float3 w)
+static inline float environment_image_pdf(const scene_t *scene, uint index, float3 w)
 {
     global const environment_image_light_t *light = scene->environment_image_lights + index;
     float2 uv = environment_uv(light, w);
@@ -58,7 +58,7 @@ inline float environment_image_pdf(const scene_t *scene, uint index, float3 w)
     return environment_image_density(light, probability, sin(PI * uv.y));
 }
 
-inline float3 environment_image_radiance(const scene_t *scene, uint index, float3 w)
+static inline float3 environment_image_radiance(const scene_t *scene, uint index, float3 w)
 {
     global const environment_image_light_t *light = scene->environment_image_lights + index;
     return environment_image_lookup(scene, light, environment_uv(light, w));

@@ -1,6 +1,6 @@
 // Point lights: intensity over the distance squared.
 
-inline light_sample_t point_sample(const scene_t *scene, uint index, float3 reference, uint2 u)
+static inline light_sample_t point_sample(const scene_t *scene, uint index, float3 reference, uint2 u)
 {
     global const point_light_t *light = scene->point_lights + index;
     float3 position = load3(light->position), w = position - reference;

@@ -1,6 +1,6 @@
 // Spot lights: a point light inside a cone, fading smoothly (3t² − 2t³ in the cosine; PBR 4ed, §12.2.1).
 
-inline light_sample_t spot_sample(const scene_t *scene, uint index, float3 reference, uint2 u)
+static inline light_sample_t spot_sample(const scene_t *scene, uint index, float3 reference, uint2 u)
 {
     global const spot_light_t *light = scene->spot_lights + index;
     float3 position = load3(light->position), w = position - reference;

@@ -1,6 +1,6 @@
 // Directional lights with an angle: a disk of constant radiance in the sky, sampled uniformly over its solid angle.
 
-inline light_sample_t sun_sample(const scene_t *scene, uint index, float3 reference, uint2 u)
+static inline light_sample_t sun_sample(const scene_t *scene, uint index, float3 reference, uint2 u)
 {
     global const sun_light_t *light = scene->sun_lights + index;
     float one_minus_cos = unit_float(u.x) * light->one_minus_cos;
@@ -10,13 +10,13 @@ inline light_sample_t sun_sample(const scene_t *scene, uint index, float3 refere
     return light_sample_new(w, load3(light->radiance), INV_TWO_PI / light->one_minus_cos, 1, 0);
 }
 
-inline float sun_pdf(const scene_t *scene, uint index, float3 w)
+static inline float sun_pdf(const scene_t *scene, uint index, float3 w)
 {
     return INV_TWO_PI / scene->sun_lights[index].one_minus_cos;
 }
 
 // |w + d|² / 2 = 1 − cos of the angle between w and −d, without cancellation.
-inline float3 sun_radiance(const scene_t *scene, uint index, float3 w)
+static inline float3 sun_radiance(const scene_t *scene, uint index, float3 w)
 {
     global const sun_light_t *light = scene->sun_lights + index;
     float3 away = w + load3(light->direction);

@@ -4,7 +4,7 @@
 #include "lib/hash.cl"
 
 // Element `i` of a random permutation of 0 … length − 1 (Kensler 2013, listing 3: cycle walking over a hash of the next power of two).
-inline uint permute(uint i, uint length, uint seed)
+static inline uint permute(uint i, uint length, uint seed)
 {
     uint mask = length - 1u;
     mask |= mask >> 1;
@@ -36,13 +36,13 @@ inline uint permute(uint i, uint length, uint seed)
 }
 
 // Stratum of `count`, jittered, as 32 bits of the unit interval.
-inline uint jittered(uint stratum, uint count, uint jitter)
+static inline uint jittered(uint stratum, uint count, uint jitter)
 {
     ulong width = 0x100000000UL / count;
     return (uint)(stratum * width + ((width * jitter) >> 32));
 }
 
-inline uint sample_1d(const sampler_t *sampler, uint dimension)
+static inline uint sample_1d(const sampler_t *sampler, uint dimension)
 {
     uint count = sampler->strata_x * sampler->strata_y;
     uint round = sampler->index / count;
@@ -51,7 +51,7 @@ inline uint sample_1d(const sampler_t *sampler, uint dimension)
     return jittered(stratum, count, hash_combine(seed, sampler->index));
 }
 
-inline uint2 sample_2d(const sampler_t *sampler, uint dimension)
+static inline uint2 sample_2d(const sampler_t *sampler, uint dimension)
 {
     uint count = sampler->strata_x * sampler->strata_y;
     uint round = sampler->index / count;

@@ -8,13 +8,13 @@ typedef struct {
     int unused;
 } disk_ray_t;
 
-inline disk_ray_t disk_prepare(const ray_t *ray)
+static inline disk_ray_t disk_prepare(const ray_t *ray)
 {
     disk_ray_t prepared = {0};
     return prepared;
 }
 
-inline bool disk_intersect(const scene_t *scene, uint index, const ray_t *ray, const disk_ray_t *prepared, float t_max, hit_t *hit)
+static inline bool disk_intersect(const scene_t *scene, uint index, const ray_t *ray, const disk_ray_t *prepared, float t_max, hit_t *hit)
 {
     global const disk_record_t *disk = scene->disks + index;
     float3 axis_u = load3(disk->axis_u), axis_v = load3(disk->axis_v);
@@ -38,7 +38,7 @@ inline bool disk_intersect(const scene_t *scene, uint index, const ray_t *ray, c
     return true;
 }
 
-inline surface_t disk_point(global const disk_record_t *disk, float a, float b)
+static inline surface_t disk_point(global const disk_record_t *disk, float a, float b)
 {
     float3 axis_u = load3(disk->axis_u), axis_v = load3(disk->axis_v), center = load3(disk->center);
     float3 u = a * axis_u, v = b * axis_v;
@@ -53,18 +53,18 @@ inline surface_t disk_point(global const disk_record_t *disk, float a, float b)
     return s;
 }
 
-inline surface_t disk_surface(const scene_t *scene, uint index, const ray_t *ray, const hit_t *hit)
+static inline surface_t disk_surface(const scene_t *scene, uint index, const ray_t *ray, const hit_t *hit)
 {
     return disk_point(scene->disks + index, hit->u, hit->v);
 }
 
-inline float disk_area(global const disk_record_t *disk)
+static inline float disk_area(global const disk_record_t *disk)
 {
     return PI * length(cross(load3(disk->axis_u), load3(disk->axis_v)));
 }
 
 // Uniform over the area by the concentric map (Shirley & Chiu 1997).
-inline light_point_t disk_sample(const scene_t *scene, uint index, float3 reference, float2 u)
+static inline light_point_t disk_sample(const scene_t *scene, uint index, float3 reference, float2 u)
 {
     global const disk_record_t *disk = scene->disks + index;
     float2 d = square_to_disk(u);
@@ -74,7 +74,7 @@ inline light_point_t disk_sample(const scene_t *scene, uint index, float3 refere
     return point;
 }
 
-inline float disk_sample_pdf(const scene_t *scene, uint index, float3 reference, const surface_t *surface)
+static inline float disk_sample_pdf(const scene_t *scene, uint index, float3 reference, const surface_t *surface)
 {
     return area_to_solid_angle(1.0f / disk_area(scene->disks + index), reference, surface);
 }

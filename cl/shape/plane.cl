@@ -8,13 +8,13 @@ typedef struct {
     int unused;
 } plane_ray_t;
 
-inline plane_ray_t plane_prepare(const ray_t *ray)
+static inline plane_ray_t plane_prepare(const ray_t *ray)
 {
     plane_ray_t prepared = {0};
     return prepared;
 }
 
-inline bool plane_intersect(const scene_t *scene, uint index, const ray_t *ray, const plane_ray_t *prepared, float t_max, hit_t *hit)
+static inline bool plane_intersect(const scene_t *scene, uint index, const ray_t *ray, const plane_ray_t *prepared, float t_max, hit_t *hit)
 {
     global const plane_record_t *plane = scene->planes + index;
     float3 normal = load3(plane->normal), to_point = load3(plane->point) - ray->o;
@@ -31,7 +31,7 @@ inline bool plane_intersect(const scene_t *scene, uint index, const ray_t *ray, 
     return true;
 }
 
-inline surface_t plane_surface(const scene_t *scene, uint index, const ray_t *ray, const hit_t *hit)
+static inline surface_t plane_surface(const scene_t *scene, uint index, const ray_t *ray, const hit_t *hit)
 {
     global const plane_record_t *plane = scene->planes + index;
     float3 normal = load3(plane->normal), point = load3(plane->point);
@@ -53,7 +53,7 @@ inline surface_t plane_surface(const scene_t *scene, uint index, const ray_t *ra
 }
 
 // A plane has no area to sample: it is a light only to the rays that meet it.
-inline light_point_t plane_sample(const scene_t *scene, uint index, float3 reference, float2 u)
+static inline light_point_t plane_sample(const scene_t *scene, uint index, float3 reference, float2 u)
 {
     light_point_t point;
     point.surface = surface_new(reference, (float3)(0.0f), (float3)(0.0f, 0.0f, 1.0f));
@@ -61,7 +61,7 @@ inline light_point_t plane_sample(const scene_t *scene, uint index, float3 refer
     return point;
 }
 
-inline float plane_sample_pdf(const scene_t *scene, uint index, float3 reference, const surface_t *surface)
+static inline float plane_sample_pdf(const scene_t *scene, uint index, float3 reference, const surface_t *surface)
 {
     return 0.0f;
 }

@@ -9,7 +9,7 @@ typedef struct {
     float a;  // d · d
 } sphere_ray_t;
 
-inline sphere_ray_t sphere_prepare(const ray_t *ray)
+static inline sphere_ray_t sphere_prepare(const ray_t *ray)
 {
     sphere_ray_t prepared;
     prepared.a = dot(ray->d, ray->d);
@@ -18,7 +18,7 @@ inline sphere_ray_t sphere_prepare(const ray_t *ray)
 
 // The discriminant comes from the distance of the centre to the line, the nearer root from the product of the roots: neither cancels for a small
 // sphere far away (Haines, Günther & Akenine-Möller 2019, "Precision Improvements for Ray/Sphere Intersection").
-inline bool sphere_intersect(const scene_t *scene, uint index, const ray_t *ray, const sphere_ray_t *prepared, float t_max, hit_t *hit)
+static inline bool sphere_intersect(const scene_t *scene, uint index, const ray_t *ray, const sphere_ray_t *prepared, float t_max, hit_t *hit)
 {
     global const sphere_record_t *sphere = scene->spheres + index;
     float r2 = sphere->radius * sphere->radius;
@@ -45,7 +45,7 @@ inline bool sphere_intersect(const scene_t *scene, uint index, const ray_t *ray,
 }
 
 // The point `local` from the centre, brought back onto the sphere.
-inline surface_t sphere_point(global const sphere_record_t *sphere, float3 local)
+static inline surface_t sphere_point(global const sphere_record_t *sphere, float3 local)
 {
     float3 normal = normalize(local);
     local = sphere->radius * normal;
@@ -62,21 +62,21 @@ inline surface_t sphere_point(global const sphere_record_t *sphere, float3 local
     return s;
 }
 
-inline surface_t sphere_surface(const scene_t *scene, uint index, const ray_t *ray, const hit_t *hit)
+static inline surface_t sphere_surface(const scene_t *scene, uint index, const ray_t *ray, const hit_t *hit)
 {
     global const sphere_record_t *sphere = scene->spheres + index;
     return sphere_point(sphere, ray->o - load3(sphere->center) + hit->t * ray->d);
 }
 
 // 1 − cos of the half angle of the cone in which a sphere is seen from outside, without cancellation.
-inline float sphere_one_minus_cos(float r2, float distance2)
+static inline float sphere_one_minus_cos(float r2, float distance2)
 {
     float sin2 = r2 / distance2;
     return sin2 / (1.0f + sqrt(fmax(0.0f, 1.0f - sin2)));
 }
 
 // From outside: uniform in the cone that it fills; from inside: uniform over the area (Shirley & Wang 1996; PBR 4ed, §6.2.4).
-inline light_point_t sphere_sample(const scene_t *scene, uint index, float3 reference, float2 u)
+static inline light_point_t sphere_sample(const scene_t *scene, uint index, float3 reference, float2 u)
 {
     global const sphere_record_t *sphere = scene->spheres + index;
     float r2 = sphere->radius * sphere->radius;
@@ -102,7 +102,7 @@ inline light_point_t sphere_sample(const scene_t *scene, uint index, float3 refe
     return point;
 }
 
-inline float sphere_sample_pdf(const scene_t *scene, uint index, float3 reference, const surface_t *surface)
+static inline float sphere_sample_pdf(const scene_t *scene, uint index, float3 reference, const surface_t *surface)
 {
     global const sphere_record_t *sphere = scene->spheres + index;
     float r2 = sphere->radius * sphere->radius;

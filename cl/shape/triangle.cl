@@ -5,7 +5,7 @@
 #include "shape/triangle_test.cl"
 
 // Point with barycentrics b of the vertices v0, v1, v2 and the bound of its error (PBR 4ed, §6.8.5).
-inline surface_t triangle_point(float3 v0, float3 v1, float3 v2, float3 b)
+static inline surface_t triangle_point(float3 v0, float3 v1, float3 v2, float3 b)
 {
     float3 p0 = b.x * v0, p1 = b.y * v1, p2 = b.z * v2;
     float3 e1 = v1 - v0, e2 = v2 - v0;
@@ -17,7 +17,7 @@ inline surface_t triangle_point(float3 v0, float3 v1, float3 v2, float3 b)
 
 #ifdef TRIANGLE_CORNERS
 // Adds what the vertices carry: normals, uv and its tangents, colours.
-inline void triangle_interpolate(const scene_t *scene, uint index, float3 v0, float3 v1, float3 v2, float3 b, surface_t *s)
+static inline void triangle_interpolate(const scene_t *scene, uint index, float3 v0, float3 v1, float3 v2, float3 b, surface_t *s)
 {
     global const uint *corner = scene->triangle_corners + 3 * (size_t)index;
     if (corner[0] == 0xffffffffu) {
@@ -63,7 +63,7 @@ inline void triangle_interpolate(const scene_t *scene, uint index, float3 v0, fl
 }
 #endif
 
-inline surface_t triangle_at(const scene_t *scene, uint index, float3 b)
+static inline surface_t triangle_at(const scene_t *scene, uint index, float3 b)
 {
     global const float *v = scene->triangle_vertices + 9 * (size_t)index;
     float3 v0 = load3(v), v1 = load3(v + 3), v2 = load3(v + 6);
@@ -74,19 +74,19 @@ inline surface_t triangle_at(const scene_t *scene, uint index, float3 b)
     return s;
 }
 
-inline surface_t triangle_surface(const scene_t *scene, uint index, const ray_t *ray, const hit_t *hit)
+static inline surface_t triangle_surface(const scene_t *scene, uint index, const ray_t *ray, const hit_t *hit)
 {
     return triangle_at(scene, index, (float3)(1.0f - hit->u - hit->v, hit->u, hit->v));
 }
 
-inline float triangle_area(const scene_t *scene, uint index)
+static inline float triangle_area(const scene_t *scene, uint index)
 {
     global const float *v = scene->triangle_vertices + 9 * (size_t)index;
     return 0.5f * length(cross(load3(v + 3) - load3(v), load3(v + 6) - load3(v)));
 }
 
 // Uniform over the area, by a fold that keeps strata compact (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
-inline light_point_t triangle_sample(const scene_t *scene, uint index, float3 reference, float2 u)
+static inline light_point_t triangle_sample(const scene_t *scene, uint index, float3 reference, float2 u)
 {
     float b1 = u.x > u.y ? u.x - 0.5f * u.y : 0.5f * u.x;
     float b2 = u.x > u.y ? 0.5f * u.y : u.y - 0.5f * u.x;
@@ -96,7 +96,7 @@ inline light_point_t triangle_sample(const scene_t *scene, uint index, float3 re
     return point;
 }
 
-inline float triangle_sample_pdf(const scene_t *scene, uint index, float3 reference, const surface_t *surface)
+static inline float triangle_sample_pdf(const scene_t *scene, uint index, float3 reference, const surface_t *surface)
 {
     return area_to_solid_angle(1.0f / triangle_area(scene, index), reference, surface);
 }

@@ -1,6 +1,6 @@
 // A checkerboard: a where the sum of the cell's two indices is even.
 
-inline float3 checker_texture(const scene_t *scene, uint index, const surface_t *surface)
+static inline float3 checker_texture(const scene_t *scene, uint index, const surface_t *surface)
 {
     global const checker_texture_t *checker = scene->checker_textures + index;
     float2 cell = floor(surface->uv * (float2)(checker->scale[0], checker->scale[1]));

@@ -7,12 +7,12 @@
 #define WRAP_CLAMP 1
 
 // IEC 61966-2-1:1999.
-inline float srgb_to_linear(float x)
+static inline float srgb_to_linear(float x)
 {
     return x <= 0.04045f ? x / 12.92f : pow((x + 0.055f) / 1.055f, 2.4f);
 }
 
-inline int image_wrap(int i, int size, int wrap)
+static inline int image_wrap(int i, int size, int wrap)
 {
     if (wrap == WRAP_CLAMP)
         return clamp(i, 0, size - 1);
@@ -26,7 +26,7 @@ inline int image_wrap(int i, int size, int wrap)
     return i < size ? i : period - 1 - i;
 }
 
-inline float4 image_texel(const scene_t *scene, global const image_texture_t *image, int x, int y)
+static inline float4 image_texel(const scene_t *scene, global const image_texture_t *image, int x, int y)
 {
     x = image_wrap(x, image->width, image->wrap);
     y = image_wrap(y, image->height, image->wrap);
@@ -42,7 +42,7 @@ inline float4 image_texel(const scene_t *scene, global const image_texture_t *im
     return value;
 }
 
-inline float3 image_texture(const scene_t *scene, uint index, const surface_t *surface)
+static inline float3 image_texture(const scene_t *scene, uint index, const surface_t *surface)
 {
     global const image_texture_t *image = scene->image_textures + index;
     float2 size = (float2)(image->width, image->height);

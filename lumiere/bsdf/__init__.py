@@ -24,6 +24,8 @@ class Material:
     type: ClassVar[str]
     device_parameters: ClassVar[dict[str, str]] = {}
     specular: ClassVar[bool] = False
+    refracts: ClassVar[bool] = False
+    """Radiance is scaled where it crosses the surface."""
     reflective: ClassVar[bool] = True
     """Scatters on one side only, and so is two-sided unless the file says otherwise."""
 
@@ -40,6 +42,11 @@ class Material:
     def device_kind(self) -> str:
         """Name of the BSDF in ``cl/bsdf`` that shades this material."""
         return self.type
+
+    @property
+    def needs_tangent(self) -> bool:
+        """Its shading depends on how the surface's uv run: it is anisotropic, or tilted by a map."""
+        return bool(getattr(self, "anisotropy", 0.0)) or self.normal_map is not None or self.bump_map is not None
 
     def device_values(self) -> dict[str, Any]:
         """The values of ``device_parameters``, by name."""

@@ -1,0 +1,69 @@
+// Random numbers as a function of (seed, pixel, index of the sample, dimension).
+
+#include "lib/hash.cl"
+
+typedef struct {
+    uint seed;   // of the pixel
+    uint index;  // of the sample
+#ifdef SAMPLER_STRATA
+    uint strata_x;
+    uint strata_y;
+#endif
+} sampler_t;
+
+#include "scene/sampler.cl"
+
+// Dimensions. Those of a path's vertex follow DIMENSION_VERTEX + depth × DIMENSIONS_A_VERTEX.
+#define DIMENSION_FILM 0u
+#define DIMENSION_LENS 1u
+#define DIMENSION_VERTEX 8u
+#define DIMENSIONS_A_VERTEX 8u
+#define DIMENSION_LIGHT 0u      // which light
+#define DIMENSION_ON_LIGHT 1u   // where on it
+#define DIMENSION_LOBE 2u       // which lobe of the BSDF
+#define DIMENSION_BSDF 3u       // which direction
+#define DIMENSION_ROULETTE 4u
+#define DIMENSION_OPACITY 5u
+
+inline uint vertex_dimension(uint depth, uint which)
+{
+    return DIMENSION_VERTEX + depth * DIMENSIONS_A_VERTEX + which;
+}
+
+// The pixel and the sample of it that a place in the batch stands for: a pixel's samples lie side by side, pixels in tiles of 8 × 8.
+typedef struct {
+    uint x;      // in the whole picture
+    uint y;
+    uint index;  // of the sample
+} film_sample_t;
+
+inline film_sample_t film_sample(const scene_t *scene, uint sample)
+{
+    global const render_t *render = scene->render;
+    uint ordinal = scene->batch->first_pixel + sample / scene->batch->samples_a_pixel;
+    uint width = render->crop_width, height = render->crop_height;
+    uint band = ordinal / (8u * width);
+    uint band_height = min(8u, height - 8u * band);
+    uint in_band = ordinal - 8u * band * width;
+    uint tile = in_band / (8u * band_height);
+    uint tile_width = min(8u, width - 8u * tile);
+    uint in_tile = in_band - 8u * tile * band_height;
+    film_sample_t s;
+    s.x = render->crop_x + 8u * tile + in_tile % tile_width;
+    s.y = render->crop_y + 8u * band + in_tile / tile_width;
+    s.index = scene->batch->first_sample + sample % scene->batch->samples_a_pixel;
+    return s;
+}
+
+inline sampler_t sampler_of(const scene_t *scene, uint sample)
+{
+    film_sample_t at = film_sample(scene, sample);
+    sampler_t sampler;
+    sampler.seed = hash_combine(hash_combine(scene->render->seed, at.x), at.y);
+    sampler.index = at.index;
+#ifdef SAMPLER_STRATA
+    sampler.strata_x = scene->render->strata_x;
+    sampler.strata_y = scene->render->strata_y;
+#endif
+    return sampler;
+}

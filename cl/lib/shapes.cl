@@ -1,0 +1,32 @@
+// Tracing and describing whatever shapes the scene holds. A primitive's number counts through all shapes, one shape after the other.
+
+#include "lib/ray.cl"
+#include "lib/surface.cl"
+#include "scene/shapes.cl"
+
+inline bool trace_nearest(const scene_t *scene, const ray_t *ray, hit_t *hit)
+{
+    hit->t = ray->t_max;
+    bool found = false;
+#define NEAREST_OF(NAME) found = NAME##_nearest(scene, ray, hit) || found;
+    FOR_EACH_SHAPE(NEAREST_OF)
+    return found;
+}
+
+inline bool trace_any(const scene_t *scene, const ray_t *ray)
+{
+#define ANY_OF(NAME) \
+    if (NAME##_any(scene, ray)) \
+        return true;
+    FOR_EACH_SHAPE(ANY_OF)
+    return false;
+}
+
+inline surface_t surface_at(const scene_t *scene, const ray_t *ray, const hit_t *hit)
+{
+#define SURFACE_OF(NAME) \
+    if (hit->primitive - scene->render->NAME##_first < scene->render->NAME##_count) \
+        return NAME##_surface(scene, hit->primitive - scene->render->NAME##_first, ray, hit);
+    FOR_EACH_SHAPE(SURFACE_OF)
+    return surface_new((float3)(0.0f), (float3)(0.0f), (float3)(0.0f, 0.0f, 1.0f));
+}

@@ -1,0 +1,48 @@
+// accumulate: adds the samples of the batch to the film, each pixel's in the order of their index, so that no bit depends on how they were scheduled.
+//
+// From: the sample buffer, when all samples of the batch are done. To: the film.
+// Sums are compensated (Kahan 1965); the variance of radiance is Welford's (1962).
+
+#include "lib/math.cl"
+
+kernel WORK_GROUP void accumulate(global const float *samples, uint sample_stride, global float *film, uint film_stride,
+                                  global uint *non_finite, global const batch_t *batch)
+{
+    uint pixel = (uint)get_global_id(0);
+    if (pixel >= batch->pixel_count)
+        return;
+    uint count = batch->samples_a_pixel;
+    global float *out = film + batch->first_pixel + pixel;
+    for (uint channel = 0u; channel < CHANNEL_COUNT; ++channel) {
+        global float *sum_at = out + (size_t)(2u * channel) * film_stride, *error_at = sum_at + film_stride;
+        float sum = *sum_at, error = *error_at;
+        float m2 = channel < 3u ? out[(size_t)(2u * CHANNEL_COUNT + channel) * film_stride] : 0.0f;
+        for (uint i = 0u; i < count; ++i) {
+            uint sample = pixel * count + i;
+            uint index = batch->first_sample + i;
+            float x = samples[(size_t)channel * sample_stride + sample];
+            if (!isfinite(x)) {
+                uint known = atomic_inc(non_finite);
+                if (known < NON_FINITE_KEPT) {
+                    non_finite[1u + 2u * known] = batch->first_pixel + pixel;
+                    non_finite[2u + 2u * known] = index;
+                }
+                x = 0.0f;
+            }
+            if (channel >= FIRST_ID_CHANNEL) {
+                sum = index == 0u ? x : sum;
+                continue;
+            }
+            float mean = index > 0u ? sum / (float)index : 0.0f;
+            float y = x - error;
+            float total = sum + y;
+            error = (total - sum) - y;
+            sum = total;
+            m2 += (x - mean) * (x - sum / (float)(index + 1u));
+        }
+        *sum_at = sum;
+        *error_at = error;
+        if (channel < 3u)
+            out[(size_t)(2u * CHANNEL_COUNT + channel) * film_stride] = m2;
+    }
+}

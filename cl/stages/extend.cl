@@ -1,0 +1,54 @@
+// extend: traces each path's ray to the nearest surface.
+//
+// From: generate (new paths), shade (paths that go on).
+// To:   shade, by the kind of BSDF that was met; escape, where there is something beyond the scene; else the slot is idle.
+
+#include "lib/path.cl"
+#include "lib/queue.cl"
+#include "lib/shapes.cl"
+
+kernel WORK_GROUP void extend(STAGE_PARAMETERS)
+{
+    STAGE_BEGIN
+#ifdef QUEUES_COMPACTED
+    uint slot = queue_take(&queues, QUEUE_EXTEND_0 + parity);
+    uint idle = QUEUE_IDLE_0 + (1u - parity);
+#else
+    uint slot = queue_take(&queues, QUEUE_EXTEND_0);
+    uint idle = QUEUE_IDLE_0;
+#endif
+    if (get_global_id(0) == 0)
+        counters[COUNTER_RAYS] += counters[QUEUE_EXTEND_0 + parity];
+    uint next = NO_QUEUE;
+    if (slot != NO_SLOT) {
+        ray_t ray;
+        ray.o = path_get_origin(&path, slot);
+        ray.d = path_get_direction(&path, slot);
+        ray.t_max = INFINITY;
+        hit_t hit;
+#ifdef VISIBILITY
+        scene.ray_mask = path_get_depth(&path, slot) == 0u ? OBJECT_VISIBLE_TO_CAMERA : 0u;
+#endif
+#ifdef CAMERA_PARTIAL
+        if (path_get_depth(&path, slot) == 0u && is_black(path_get_throughput(&path, slot)))
+            next = idle;
+        else
+#endif
+        if (trace_nearest(&scene, &ray, &hit)) {
+            path_set_hit(&path, slot, (float3)(hit.t, hit.u, hit.v));
+            path_set_primitive(&path, slot, hit.primitive);
+#if SHADE_QUEUES > 1
+            next = QUEUE_SHADE_0 + scene.objects[scene.primitive_objects[hit.primitive]].shade_queue;
+#else
+            next = QUEUE_SHADE_0;
+#endif
+        } else {
+#ifdef INFINITE_LIGHTS
+            next = QUEUE_ESCAPE;
+#else
+            next = idle;
+#endif
+        }
+    }
+    queue_push(&queues, next, slot, scratch);
+}

@@ -1,0 +1,103 @@
+// generate: starts the batch's next samples in the slots that are idle.
+//
+// From: the idle slots (at first all of them, later those whose paths extend, escape and shade have ended).
+// To:   extend.
+// Also empties the queues that the last round's stages have read, and counts that round's shadow rays.
+
+#include "lib/path.cl"
+#include "lib/queue.cl"
+#include "lib/sampler.cl"
+#include "scene/camera.cl"
+#ifdef FILTER_TABLE
+// A point of the filter along one axis, with its weight, by a table of the inverse of its CDF (Ernst, Stamminger & Greiner 2006).
+static inline float2 filter_sample(const scene_t *scene, float u)
+{
+    float at = u * FILTER_TABLE_SIZE;
+    uint step = min((uint)at, FILTER_TABLE_SIZE - 1u);
+    global const float *entry = scene->filter_table + 2 * step;
+    return (float2)(mix(entry[0], entry[2], at - (float)step), entry[1]);
+}
+#endif
+
+// Starts `sample` in `slot`. Where the camera has no ray, the path starts with throughput 0, and extend ends it.
+static inline void start_path(const scene_t *scene, const path_t *path, const samples_t *samples, uint sample, uint slot)
+{
+    for (uint channel = 0u; channel < CHANNEL_COUNT; ++channel)
+        sample_set(samples, channel, sample, 0.0f);
+    film_sample_t at = film_sample(scene, sample);
+    sampler_t sampler = sampler_of(scene, sample);
+    uint2 u = sample_2d(&sampler, DIMENSION_FILM);
+    float2 offset = (float2)(unit_float(u.x), unit_float(u.y));
+    float weight = 1.0f;
+#ifdef FILTER_TABLE
+    float2 fx = filter_sample(scene, offset.x), fy = filter_sample(scene, offset.y);
+    offset = (float2)(fx.x, fy.x);
+    weight = fx.y * fy.y;
+#else
+    offset = (2.0f * offset - 1.0f) * scene->render->filter_radius;
+#endif
+    float2 film = (float2)(((float)at.x + 0.5f + offset.x) / (float)scene->render->width,
+                           ((float)at.y + 0.5f + offset.y) / (float)scene->render->height);
+    float2 lens = (float2)(0.0f);
+#ifdef CAMERA_LENS
+    uint2 l = sample_2d(&sampler, DIMENSION_LENS);
+    lens = (float2)(unit_float(l.x), unit_float(l.y));
+#endif
+    float3 origin, direction;
+    if (!camera_ray(scene->camera, film, lens, &origin, &direction)) {
+        weight = 0.0f;
+        origin = (float3)(0.0f);
+        direction = (float3)(0.0f, 0.0f, -1.0f);
+    }
+    global const float *m = scene->camera->to_world;
+    path_set_sample(path, slot, sample);
+    path_set_depth(path, slot, 0u);
+    path_set_origin(path, slot, (float3)(dot(load3(m), origin) + m[3], dot(load3(m + 4), origin) + m[7], dot(load3(m + 8), origin) + m[11]));
+    path_set_direction(path, slot,
+                       normalize((float3)(dot(load3(m), direction), dot(load3(m + 4), direction), dot(load3(m + 8), direction))));
+    path_set_throughput(path, slot, (float3)(weight));
+#ifdef PATH_BSDF_PDF
+    path_set_bsdf_pdf(path, slot, 0.0f);
+#endif
+#ifdef PATH_ETA_SCALE
+    path_set_eta_scale(path, slot, 1.0f);
+#endif
+}
+
+kernel WORK_GROUP void generate(STAGE_PARAMETERS)
+{
+    STAGE_BEGIN
+    uint idle = QUEUE_IDLE_0 + parity, extend = QUEUE_EXTEND_0 + parity;
+#ifdef QUEUES_COMPACTED
+    if (get_global_id(0) == 0) {
+        counters[COUNTER_SHADOW_RAYS] += counters[QUEUE_CONNECT];
+        for (uint q = QUEUE_CONNECT; q < QUEUE_COUNT; ++q)
+            counters[q] = 0u;
+        counters[QUEUE_IDLE_0 + (1u - parity)] = 0u;
+        counters[QUEUE_EXTEND_0 + (1u - parity)] = 0u;
+    }
+    uint slot = queue_take(&queues, idle);
+#else
+    // Tags do not tell the parity: a slot is idle or it is not.
+    uint slot = queue_take(&queues, QUEUE_IDLE_0);
+    uint mine = (uint)get_global_id(0);
+    bool connected = mine < queues.capacity && queues.connects[mine] != 0u;
+    if (connected)
+        queues.connects[mine] = 0u;
+    counter_take(counters + COUNTER_SHADOW_RAYS, connected, scratch);
+    if (mine == 0)
+        counters[QUEUE_EXTEND_0 + (1u - parity)] = 0u;
+#endif
+    uint sample = counter_take(counters + COUNTER_NEXT_SAMPLE, slot != NO_SLOT, scratch);
+    bool started = slot != NO_SLOT && sample < scene.batch->sample_count;
+    if (started)
+        start_path(&scene, &path, &samples, sample, slot);
+#ifdef QUEUES_COMPACTED
+    queue_push(&queues, started ? extend : NO_QUEUE, slot, scratch);
+#else
+    if (started)
+        queues.tags[slot] = QUEUE_EXTEND_0;
+    bool live = mine < queues.capacity && queues.tags[mine] == QUEUE_EXTEND_0;
+    counter_take(counters + extend, live, scratch);
+#endif
+}

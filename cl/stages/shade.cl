@@ -1,0 +1,228 @@
+// shade: at the surface that a path met, adds what it emits, samples a light for connect, and samples the BSDF for the path to go on.
+// One kernel a kind of BSDF: BSDF(f) is that kind's function f (docs/architecture.md).
+//
+// From: extend. To: connect (a shadow ray), extend (the path goes on); else the slot is idle.
+
+#include "lib/emission.cl"
+#include "lib/frame.cl"
+#include "lib/lights.cl"
+#include "lib/offset.cl"
+#include "lib/path.cl"
+#include "lib/queue.cl"
+#include "lib/sampler.cl"
+#include "lib/samples.cl"
+#include "lib/shapes.cl"
+#include "scene/bsdf.cl"
+
+// Where the path stands: what it met, and the frame in which the BSDF works.
+typedef struct {
+    surface_t surface;
+    frame_t frame;
+    float3 wo;        // local, towards where the path came from
+    uint sample;
+    uint depth;       // scattering events before this one
+    sampler_t sampler;
+} vertex_t;
+
+// Emission met by the path, weighed against light sampling.
+static inline void add_emission(const scene_t *scene, const path_t *path, const samples_t *samples, uint slot, uint primitive,
+                         global const object_t *object, const surface_t *surface, float3 direction, uint depth)
+{
+#ifdef EMISSION
+    float3 radiance = emitted_radiance(scene, object->emission, surface, -direction);
+    if (is_black(radiance))
+        return;
+    float weight = 1.0f;
+#ifdef EMITTERS
+    float bsdf_pdf = path_get_bsdf_pdf(path, slot);
+    if (bsdf_pdf > 0.0f) {
+        uint emitter = emitter_of(scene, primitive);
+        float light_pdf = 0.0f;
+        if (emitter < scene->render->emitter_count)
+            light_pdf = discrete_probability(scene->light_cdf, emitter)
+                      * emitter_pdf(scene, primitive, path_get_origin(path, slot), surface);
+        weight = met_light_weight(bsdf_pdf, light_pdf);
+    }
+#endif
+    sample_add_radiance(scene, samples, path_get_sample(path, slot), depth, path_get_throughput(path, slot) * radiance * weight);
+#endif
+}
+
+// The first surface of a path, for the AOVs that describe it.
+static inline void write_first_hit(const scene_t *scene, const samples_t *samples, uint sample, float weight, const surface_t *surface,
+                            float3 normal, float3 albedo, uint object_index)
+{
+#ifdef CHANNEL_ALBEDO
+    sample_add(samples, CHANNEL_ALBEDO, sample, weight * albedo);
+#endif
+#ifdef CHANNEL_NORMAL
+    sample_add(samples, CHANNEL_NORMAL, sample, weight * normal);
+#endif
+#ifdef CHANNEL_POSITION
+    sample_add(samples, CHANNEL_POSITION, sample, weight * surface->p);
+#endif
+#ifdef CHANNEL_DEPTH
+    float3 view = surface->p - (float3)(scene->camera->to_world[3], scene->camera->to_world[7], scene->camera->to_world[11]);
+    sample_set(samples, CHANNEL_DEPTH, sample, weight * length(view));
+#endif
+#ifdef CHANNEL_UV
+    sample_set(samples, CHANNEL_UV, sample, weight * surface->uv.x);
+    sample_set(samples, CHANNEL_UV + 1u, sample, weight * surface->uv.y);
+#endif
+#ifdef CHANNEL_MATERIAL_ID
+    sample_set(samples, CHANNEL_MATERIAL_ID, sample, (float)(scene->objects[object_index].material_id + 1u));
+#endif
+#ifdef CHANNEL_OBJECT_ID
+    sample_set(samples, CHANNEL_OBJECT_ID, sample, (float)(object_index + 1u));
+#endif
+}
+
+// The frame of the shading normal, on the viewer's side where the material is two-sided; `wo` is set to the local direction to the viewer.
+static inline void make_frame(const scene_t *scene, global const object_t *object, float3 to_viewer, vertex_t *vertex)
+{
+    surface_t *s = &vertex->surface;
+    bool behind = dot(to_viewer, s->ng) < 0.0f;
+    if (behind && (object->flags & OBJECT_TWO_SIDED)) {
+        s->ng = -s->ng;
+        s->ns = -s->ns;
+        behind = false;
+    }
+    // A smooth normal that turns away from the viewer has no BSDF value there: the true normal stands in.
+    if ((dot(to_viewer, s->ns) < 0.0f) != behind)
+        s->ns = s->ng;
+#ifdef SURFACE_TANGENT
+    vertex->frame = frame_along(s->ns, s->dpdu);
+#else
+    vertex->frame = frame_about(s->ns);
+#endif
+    vertex->wo = frame_to_local(&vertex->frame, to_viewer);
+}
+
+// Light may only pass to the side of the true surface that the shading frame says (Veach 1997, §5.3).
+static inline bool sides_agree(const vertex_t *vertex, float3 wi_world, float3 wi)
+{
+    return dot(wi_world, vertex->surface.ng) * wi.z > 0.0f;
+}
+
+#ifdef NEXT_EVENT_ESTIMATION
+// Samples a light and stores the shadow ray that connects to it; false where nothing can come of it.
+static inline bool sample_light(const scene_t *scene, const path_t *path, uint slot, const BSDF(t) *bsdf, const vertex_t *vertex, float3 throughput)
+{
+    uint select = sample_1d(&vertex->sampler, vertex_dimension(vertex->depth, DIMENSION_LIGHT));
+    uint2 u = sample_2d(&vertex->sampler, vertex_dimension(vertex->depth, DIMENSION_ON_LIGHT));
+    light_sample_t light = light_sample(scene, vertex->surface.p, select, u);
+    if (!(light.pdf > 0.0f) || is_black(light.radiance))
+        return false;
+    float3 to_light = light.infinite ? light.target : normalize(light.target - vertex->surface.p);
+    float3 wi = frame_to_local(&vertex->frame, to_light);
+    if (!sides_agree(vertex, to_light, wi))
+        return false;
+    float3 f = BSDF(eval)(bsdf, vertex->wo, wi);
+    if (is_black(f))
+        return false;
+    float weight = sampled_light_weight(&light, BSDF(pdf)(bsdf, vertex->wo, wi)) / light.pdf;
+    float3 contribution = throughput * f * light.radiance * weight;
+    if (is_black(contribution))
+        return false;
+    float3 origin = offset_origin(vertex->surface.p, vertex->surface.error, vertex->surface.ng, to_light);
+    path_set_shadow_origin(path, slot, origin);
+    path_set_shadow_direction(path, slot, light.infinite ? to_light : light.target - origin);
+    path_set_shadow_t_max(path, slot, light.infinite ? INFINITY : 1.0f);
+    path_set_contribution(path, slot, contribution);
+    return true;
+}
+#endif
+
+// Samples the BSDF and stores the path's next ray; false where the path ends.
+static inline bool sample_bsdf(const scene_t *scene, const path_t *path, uint slot, const BSDF(t) *bsdf, const vertex_t *vertex, float3 throughput)
+{
+    uint lobe = sample_1d(&vertex->sampler, vertex_dimension(vertex->depth, DIMENSION_LOBE));
+    uint2 u = sample_2d(&vertex->sampler, vertex_dimension(vertex->depth, DIMENSION_BSDF));
+    bsdf_sample_t s = BSDF(sample)(bsdf, vertex->wo, (float3)(unit_float(lobe), unit_float(u.x), unit_float(u.y)));
+    throughput *= s.weight;
+    float3 direction = frame_to_world(&vertex->frame, s.wi);
+    if (is_black(throughput) || !sides_agree(vertex, direction, s.wi))
+        return false;
+    float scale = 1.0f;
+#ifdef PATH_ETA_SCALE
+    // Roulette looks at the energy, without the 1/η² by which an interface scales radiance (PBR 4ed, §14.3.2).
+    scale = path_get_eta_scale(path, slot) * s.eta * s.eta;
+    path_set_eta_scale(path, slot, scale);
+#endif
+    if (vertex->depth + 1u >= scene->render->russian_roulette_depth) {
+        float survival = fmin(1.0f, scale * max_component(fabs(throughput)));
+        if (unit_float(sample_1d(&vertex->sampler, vertex_dimension(vertex->depth, DIMENSION_ROULETTE))) >= survival)
+            return false;
+        throughput /= survival;
+    }
+    path_set_origin(path, slot, offset_origin(vertex->surface.p, vertex->surface.error, vertex->surface.ng, direction));
+    path_set_direction(path, slot, normalize(direction));
+    path_set_throughput(path, slot, throughput);
+#ifdef PATH_BSDF_PDF
+    path_set_bsdf_pdf(path, slot, s.specular ? 0.0f : s.pdf);
+#endif
+    return true;
+}
+
+// Shades `slot`; says whether it wants connect, and whether the path goes on.
+static inline void shade_slot(const scene_t *scene, const path_t *path, const samples_t *samples, uint slot, bool *connects, bool *goes_on)
+{
+    *connects = false;
+    *goes_on = false;
+    ray_t ray;
+    ray.o = path_get_origin(path, slot);
+    ray.d = path_get_direction(path, slot);
+    ray.t_max = INFINITY;
+    float3 t_u_v = path_get_hit(path, slot);
+    hit_t hit;
+    hit.t = t_u_v.x;
+    hit.u = t_u_v.y;
+    hit.v = t_u_v.z;
+    hit.primitive = path_get_primitive(path, slot);
+
+    vertex_t vertex;
+    vertex.surface = surface_at(scene, &ray, &hit);
+    vertex.depth = path_get_depth(path, slot);
+    vertex.sample = path_get_sample(path, slot);
+    uint object_index = scene->primitive_objects[hit.primitive];
+    global const object_t *object = scene->objects + object_index;
+    add_emission(scene, path, samples, slot, hit.primitive, object, &vertex.surface, ray.d, vertex.depth);
+#ifndef FIRST_HIT_AOVS
+    if (vertex.depth >= scene->render->max_depth)
+        return;
+#endif
+    float3 throughput = path_get_throughput(path, slot);
+    BSDF(t) bsdf = BSDF(load)(scene, object->material, &vertex.surface);
+    make_frame(scene, object, -ray.d, &vertex);
+#ifdef FIRST_HIT_AOVS
+    if (vertex.depth == 0u)
+        write_first_hit(scene, samples, vertex.sample, throughput.x, &vertex.surface, vertex.surface.ns, BSDF(albedo)(&bsdf), object_index);
+    if (vertex.depth >= scene->render->max_depth)
+        return;
+#endif
+    vertex.sampler = sampler_of(scene, vertex.sample);
+#ifdef NEXT_EVENT_ESTIMATION
+    *connects = sample_light(scene, path, slot, &bsdf, &vertex, throughput);
+#endif
+    *goes_on = sample_bsdf(scene, path, slot, &bsdf, &vertex, throughput);
+    path_set_depth(path, slot, vertex.depth + 1u);
+}
+
+kernel WORK_GROUP void shade(STAGE_PARAMETERS)
+{
+    STAGE_BEGIN
+    uint slot = queue_take(&queues, QUEUE_SHADE);
+    bool connects = false, goes_on = false;
+    uint next = NO_QUEUE;
+    if (slot != NO_SLOT) {
+        shade_slot(&scene, &path, &samples, slot, &connects, &goes_on);
+        next = goes_on ? QUEUE_EXTEND_0 : QUEUE_IDLE_0;
+#ifdef QUEUES_COMPACTED
+        next += 1u - parity;
+#endif
+    }
+#ifdef NEXT_EVENT_ESTIMATION
+    queue_push_connect(&queues, connects, slot, scratch);
+#endif
+    queue_push(&queues, next, slot, scratch);
+}

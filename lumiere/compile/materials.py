@@ -1,0 +1,81 @@
+"""Materials → parameter records by BSDF kind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from lumiere.bsdf import Material
+from lumiere.compile.textures import TextureTable
+from lumiere.texture import Texture
+
+NO_TEXTURE = 0xFFFFFFFF
+
+
+@dataclass
+class MaterialTable:
+    """The materials that objects use, by BSDF kind. ``textured`` says which parameters of a kind some material textures."""
+
+    textures: TextureTable
+    members: dict[str, list[Material]] = field(default_factory=dict)
+    parameters: dict[str, dict[str, str]] = field(default_factory=dict)
+    textured: dict[str, set[str]] = field(default_factory=dict)
+    _places: dict[int, tuple[str, int]] = field(default_factory=dict)
+
+    def place(self, material: Material) -> tuple[str, int]:
+        """The BSDF kind of ``material`` and its number among the materials of that kind; it is added where it is new."""
+        known = self._places.get(id(material))
+        if known is not None:
+            return known
+        kind = material.device_kind
+        members = self.members.setdefault(kind, [])
+        self.parameters[kind] = material.device_parameters
+        textured = self.textured.setdefault(kind, set())
+        textured.update(name for name, value in material.device_values().items() if isinstance(value, Texture))
+        self._places[id(material)] = (kind, len(members))
+        members.append(material)
+        return self._places[id(material)]
+
+    def dtype(self, kind: str) -> np.dtype:
+        """The record of a kind: its parameters, each with a texture's id behind it where some material textures it."""
+        fields: list[Any] = []
+        for name, sort in self.parameters[kind].items():
+            fields.append((name, "<f4", 3) if sort == "spectrum" else (name, "<f4"))
+            if name in self.textured[kind]:
+                fields.append((f"{name}_texture", "<u4"))
+        return np.dtype(fields)
+
+    def records(self, kind: str) -> np.ndarray:
+        """(n,) records of the kind's materials."""
+        records = np.zeros(len(self.members[kind]), dtype=self.dtype(kind))
+        for record, material in zip(records, self.members[kind], strict=True):
+            for name, value in material.device_values().items():
+                textured = isinstance(value, Texture)
+                if not textured:
+                    record[name] = value
+                if name in self.textured[kind]:
+                    record[f"{name}_texture"] = self.textures.id(value) if textured else NO_TEXTURE
+        return records
+
+
+def bsdf_source(kind: str, parameters: dict[str, str], textured: tuple[str, ...]) -> str:
+    """``scene/bsdf.cl`` of a kind: NAME_t, the kind's own file, and NAME_load, which looks its textures up."""
+    members = "".join(f"    {'float3' if sort == 'spectrum' else 'float'} {name};\n" for name, sort in parameters.items())
+    loads = []
+    for name, sort in parameters.items():
+        constant = f"load3(record->{name})" if sort == "spectrum" else f"record->{name}"
+        if name in textured:
+            look_up = "texture_value" if sort == "spectrum" else "texture_number"
+            constant = (f"record->{name}_texture != NO_TEXTURE ? {look_up}(scene, record->{name}_texture, surface) : {constant}")
+        loads.append(f"    bsdf.{name} = {constant};\n")
+    return (f"#define BSDF_NAME {kind}\n#define BSDF_JOIN(a, b) a##_##b\n#define BSDF_OF(a, b) BSDF_JOIN(a, b)\n"
+            f"#define BSDF(f) BSDF_OF(BSDF_NAME, f)\n"
+            f"typedef struct {{\n{members}}} {kind}_t;\n\n"
+            '#include "lib/math.cl"\n#include "lib/surface.cl"\n'
+            + ('#include "lib/textures.cl"\n' if textured else "")
+            + f'#include "bsdf/{kind}.cl"\n\n'
+            f"static inline {kind}_t {kind}_load(const scene_t *scene, uint index, const surface_t *surface)\n{{\n"
+            f"    global const {kind}_record_t *record = scene->{kind}_materials + index;\n    {kind}_t bsdf;\n"
+            + "".join(loads) + "    return bsdf;\n}\n")

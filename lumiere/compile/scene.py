@@ -1,0 +1,291 @@
+"""Scene → arrays and Features: exactly what this scene uses."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from lumiere.bsdf import Material
+from lumiere.bsdf.lambert import Lambert
+from lumiere.camera import Camera
+from lumiere.camera.perspective import Perspective
+from lumiere.compile.features import Features
+from lumiere.compile.geometry import Object, ShapeGroup, Vertices, group_shapes
+from lumiere.compile.lights import LightTable, light_table, mean_emission
+from lumiere.compile.materials import NO_TEXTURE, MaterialTable
+from lumiere.compile.textures import TextureTable
+from lumiere.device.source import c_struct
+from lumiere.light import Light
+from lumiere.light.environment import EnvironmentLight
+from lumiere.scene.model import Scene
+from lumiere.texture import Texture
+
+TWO_SIDED, VISIBLE_TO_CAMERA, VISIBLE_TO_SHADOW = 1, 2, 4
+
+
+@dataclass
+class SceneBuffers:
+    """What the device gets: arrays by name with the C type of their elements, the structs that those are made of, and Features."""
+
+    features: Features
+    arrays: dict[str, tuple[str, np.ndarray]] = field(default_factory=dict)
+    structs: dict[str, np.dtype] = field(default_factory=dict)
+    bsdf_parameters: dict[str, dict[str, str]] = field(default_factory=dict)
+    dropped: dict[str, int] = field(default_factory=dict)
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def add(self, name: str, c_type: str, array: np.ndarray) -> None:
+        """Adds a buffer; ``c_type`` is ``float``, ``uint`` or a struct's name, then declared by the array's dtype."""
+        if array.dtype.names:
+            self.structs[c_type] = array.dtype
+        self.arrays[name] = (c_type, np.ascontiguousarray(array))
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of all buffers."""
+        return sum(array.nbytes for _, array in self.arrays.values())
+
+    def struct_source(self) -> str:
+        """C declarations of all structs."""
+        return "\n".join(c_struct(name, dtype) for name, dtype in self.structs.items())
+
+
+def compile_scene(scene: Scene) -> SceneBuffers:
+    """Compiles a validated scene. Raises SceneError where a file that it names is not what it should be."""
+    objects, lights = _lower(scene)
+    textures = TextureTable()
+    materials = MaterialTable(textures)
+    places = [materials.place(o.material) for o in objects]
+    emissive = any(mean_emission(o.emission) > 0.0 for o in objects)
+    if not lights and not emissive:
+        lights = [EnvironmentLight()]
+    records = {kind: materials.records(kind) for kind in materials.members}
+    emissions, emission_of = _emissions(objects, textures)
+
+    uses_uv = "uv" in textures.uses or "uv" in scene.film.aovs
+    tangent = any(o.material.needs_tangent for o in objects)
+    uses_uv = uses_uv or tangent
+    has_normals = any(o.primitives.normals is not None for o in objects)
+    keep = (("normals",) if has_normals else ()) + (("uvs",) if uses_uv else ()) + (("colors",) if "color" in textures.uses else ())
+    groups, vertices = group_shapes(objects, keep)
+    center, radius = scene_bounds(groups)
+    table = light_table(lights, objects, groups, radius)
+    camera = scene.camera or _framing_camera(center, radius)
+
+    features = _features(scene, objects, groups, vertices, materials, table, camera, emissive=emissive and len(emissions) > 0,
+                         uses_uv=uses_uv, tangent=tangent, textured_emission=any(isinstance(o.emission, Texture) for o in objects))
+    buffers = SceneBuffers(features, bsdf_parameters={kind: materials.parameters[kind] for kind in sorted(materials.members)})
+    for o in objects:
+        for reason, count in o.primitives.dropped.items():
+            buffers.dropped[reason] = buffers.dropped.get(reason, 0) + count
+    _add_render(buffers, scene, groups, table)
+    _add_camera(buffers, camera, scene.film.width, scene.film.height)
+    _add_geometry(buffers, groups, vertices)
+    _add_objects(buffers, scene, objects, places, emission_of)
+    for kind in sorted(records):
+        buffers.add(f"{kind}_materials", f"{kind}_record_t", records[kind])
+    for kind in features.textures:
+        kind_records = np.array(textures.records[kind])
+        if kind_records.dtype.itemsize:
+            buffers.add(f"{kind}_textures", f"{kind}_texture_t", kind_records)
+    if textures.texels.words:
+        buffers.add("texels", "uint", np.concatenate(textures.texels.words))
+    if features.emission:
+        buffers.add("emissions", "emission_t", emissions)
+    _add_lights(buffers, table)
+    filter_table = scene.film.filter.table()
+    if filter_table is not None:
+        buffers.add("filter_table", "float", filter_table)
+    return buffers
+
+
+def _lower(scene: Scene) -> tuple[list[Object], list[Light]]:
+    """The objects of the scene, with the shapes that stand for its area lights, and the lights that are not shapes."""
+    shapes = list(scene.geometry)
+    lights = []
+    for light in scene.lights:
+        shape = light.lower()
+        if shape is None:
+            lights.append(light)
+        else:
+            shapes.append(shape)
+    default = Lambert()
+    occlusion = Lambert(albedo=(1.0, 1.0, 1.0)) if scene.integrator.type == "ambient_occlusion" else None
+    objects = []
+    for shape in shapes:
+        for primitives in shape.lower():
+            material = primitives.material or shape.material or default
+            emission = shape.emission if shape.emission is not None else material.emission
+            sides = shape.emission_sides or material.emission_sides
+            if occlusion is not None:
+                # Ambient occlusion is what a white scene reflects, once, of a white sky.
+                material, emission = occlusion, None
+            if not isinstance(emission, Texture) and not any(emission or ()):
+                emission = None
+            objects.append(Object(shape, primitives, material, emission, sides == "both"))
+    return objects, [EnvironmentLight()] if occlusion is not None else lights
+
+
+def scene_bounds(groups: list[ShapeGroup]) -> tuple[np.ndarray, float]:
+    """Centre and radius of a sphere around everything bounded, metres; about the origin with radius 1 where nothing is."""
+    corners = [group.device_shape.bounds(group.records) for group in groups if group.device_shape.bounded and len(group.records)]
+    if not corners:
+        return np.zeros(3), 1.0
+    lower = np.min([low.min(axis=0) for low, _ in corners], axis=0).astype(np.float64)
+    upper = np.max([high.max(axis=0) for _, high in corners], axis=0).astype(np.float64)
+    return (lower + upper) / 2.0, float(np.linalg.norm(upper - lower) / 2.0) or 1.0
+
+
+def _framing_camera(center: np.ndarray, radius: float) -> Camera:
+    """A camera that sees the whole of a sphere, from the front, a little to the right and above."""
+    fov = 40.0
+    direction = np.array([0.4, 0.3, 1.0]) / np.linalg.norm([0.4, 0.3, 1.0])
+    position = center + direction * radius / math.sin(math.radians(fov / 2.0))
+    return Perspective(position=tuple(position), look_at=tuple(center), fov=fov, fov_axis="smaller")
+
+
+def _emissions(objects: list[Object], textures: TextureTable) -> tuple[np.ndarray, list[int]]:
+    """Emission records, and for each object the number of its record or −1."""
+    textured = any(isinstance(o.emission, Texture) for o in objects)
+    dtype = np.dtype([("radiance", "<f4", 3), ("both_sides", "<i4")] + ([("texture", "<u4")] if textured else []))
+    rows, numbers = [], []
+    for o in objects:
+        if o.emission is None:
+            numbers.append(-1)
+            continue
+        numbers.append(len(rows))
+        constant = (0.0, 0.0, 0.0) if isinstance(o.emission, Texture) else o.emission
+        row: tuple[Any, ...] = (constant, o.both_sides)
+        if textured:
+            row += (textures.id(o.emission) if isinstance(o.emission, Texture) else NO_TEXTURE,)
+        rows.append(row)
+    return np.array(rows, dtype=dtype), numbers
+
+
+def _features(scene: Scene, objects: list[Object], groups: list[ShapeGroup], vertices: Vertices, materials: MaterialTable, table: LightTable,
+              camera: Camera, *, emissive: bool, uses_uv: bool, tangent: bool, textured_emission: bool) -> Features:
+    kinds = tuple(table.kinds)
+    infinite = tuple(kind for kind, members in table.kinds.items() if members[0].infinite)
+    mode = scene.integrator.light_sampling
+    delta = any(not members[0].infinite for members in table.kinds.values())
+    used = [o.material for o in objects]
+    specular = tuple(sorted({m.device_kind for m in used if m.specular}))
+    scatters = scene.integrator.max_depth > 0 and any(not m.specular for m in used)
+    next_event = scatters and (delta or (table.count > 0 and mode != "bsdf"))
+    colors = "color" in materials.textures.uses
+    return Features(
+        shapes={group.device_shape.name: group.layout for group in groups},
+        bsdfs={kind: tuple(sorted(materials.textured[kind])) for kind in sorted(materials.members)},
+        camera=camera.type, sampler=scene.sampler.type, lights=kinds, infinite_lights=infinite, textures=tuple(materials.textures.kinds),
+        emission=emissive, emitters=len(table.emitters) > 0, textured_emission=textured_emission, next_event_estimation=next_event,
+        light_sampling=mode, bsdf_pdf=len(table.emitters) > 0 or bool(infinite), eta_scale=any(m.refracts for m in used),
+        camera_lens=camera.uses_lens, camera_partial=camera.type == "fisheye", filter_table=scene.film.filter.table() is not None,
+        clamp_indirect=scene.integrator.clamp_indirect is not None,
+        visibility=any(not (o.shape.visible.camera and o.shape.visible.shadow) for o in objects),
+        triangle_corners=any(group.corners is not None for group in groups),
+        vertex_normals=any(o.primitives.normals is not None for o in objects),
+        vertex_uvs=uses_uv and any(o.primitives.uvs is not None for o in objects),
+        vertex_colors=colors and any(o.primitives.colors is not None for o in objects),
+        surface_uv=uses_uv, surface_tangent=tangent, surface_color=colors,
+        aovs=tuple(name for name in scene.film.aovs if name not in ("sample_count", "variance")), specular_bsdfs=specular)
+
+
+def _add_render(buffers: SceneBuffers, scene: Scene, groups: list[ShapeGroup], table: LightTable) -> None:
+    """The values of the whole render: changing one builds nothing."""
+    film, integrator = scene.film, scene.integrator
+    x0, y0, x1, y1 = film.crop or (0, 0, film.width, film.height)
+    never = 0xFFFFFFFF
+    depth = {"path": integrator.max_depth, "direct": min(integrator.max_depth, 1), "ambient_occlusion": 1}[integrator.type]
+    roulette = integrator.russian_roulette_depth
+    strata_x = max(1, round(math.sqrt(scene.sampler.spp)))
+    values: dict[str, tuple[str, Any]] = {
+        "width": ("<u4", film.width), "height": ("<u4", film.height), "crop_x": ("<u4", x0), "crop_y": ("<u4", y0),
+        "crop_width": ("<u4", x1 - x0), "crop_height": ("<u4", y1 - y0), "seed": ("<u4", scene.sampler.seed), "max_depth": ("<u4", depth),
+        "russian_roulette_depth": ("<u4", never if roulette is None or integrator.type == "ambient_occlusion" else max(1, roulette)),
+        "filter_radius": ("<f4", film.filter.extent), "strata_x": ("<u4", strata_x),
+        "strata_y": ("<u4", -(-scene.sampler.spp // strata_x)), "clamp_indirect": ("<f4", integrator.clamp_indirect or 0.0),
+        "light_count": ("<u4", table.count), "emitter_count": ("<u4", len(table.emitters)),
+    }
+    first = 0
+    for group in groups:
+        values[f"{group.device_shape.name}_first"] = ("<u4", first)
+        values[f"{group.device_shape.name}_count"] = ("<u4", len(group.records))
+        first += len(group.records)
+    for kind, members in table.kinds.items():
+        values[f"{kind}_light_first"] = ("<u4", table.first(kind))
+        values[f"{kind}_light_count"] = ("<u4", len(members))
+    record = np.zeros(1, dtype=np.dtype([(name, sort) for name, (sort, _) in values.items()]))
+    for name, (_, value) in values.items():
+        record[name] = value
+    buffers.add("render", "render_t", record)
+
+
+def _add_camera(buffers: SceneBuffers, camera: Camera, width: int, height: int) -> None:
+    fields: list[Any] = [("to_world", "<f4", (3, 4))]
+    fields += [(name, "<f4", count) if count > 1 else (name, "<f4") for name, count in camera.device_fields.items()]
+    record = np.zeros(1, dtype=np.dtype(fields))
+    record["to_world"] = camera.to_world()[:3]
+    for name, value in camera.device_values(width, height).items():
+        record[name] = value
+    buffers.add("camera", "camera_t", record)
+
+
+def _add_geometry(buffers: SceneBuffers, groups: list[ShapeGroup], vertices: Vertices) -> None:
+    for group in groups:
+        name = group.device_shape.name
+        if name == "triangle":
+            buffers.add("triangle_vertices", "float", group.records["vertices"])
+        else:
+            buffers.add(f"{name}s", f"{name}_record_t", group.records)
+        for key, array in group.accelerator.items():
+            buffers.add(f"{name}_{key}", {"f": "float", "u": "uint", "i": "int"}[array.dtype.kind], array)
+        if group.corners is not None:
+            buffers.add("triangle_corners", "uint", group.corners)
+    for feature, name, parts in (("vertex_normals", "vertex_normals", vertices.normals), ("vertex_uvs", "vertex_uvs", vertices.uvs),
+                                 ("vertex_colors", "vertex_colors", vertices.colors)):
+        if getattr(buffers.features, feature):
+            buffers.add(name, "float", np.concatenate(parts).astype(np.float32))
+    if groups:
+        buffers.add("primitive_objects", "uint", np.concatenate([group.objects for group in groups]))
+
+
+def _add_objects(buffers: SceneBuffers, scene: Scene, objects: list[Object], places: list[tuple[str, int]], emission_of: list[int]) -> None:
+    features = buffers.features
+    queues = list(features.bsdfs)
+    fields = ["material", "flags"]
+    fields += ["shade_queue"] if len(queues) > 1 else []
+    fields += ["material_id"] if "material_id" in features.aovs else []
+    dtype: list[Any] = [(name, "<u4") for name in fields] + ([("emission", "<i4")] if features.emission else [])
+    records = np.zeros(len(objects), dtype=np.dtype(dtype))
+    named: dict[int, int] = {}
+    for record, o, (kind, index), emission in zip(records, objects, places, emission_of, strict=True):
+        two_sided = o.material.reflective if o.material.two_sided is None else o.material.two_sided
+        record["material"] = index
+        record["flags"] = (TWO_SIDED * bool(two_sided) | VISIBLE_TO_CAMERA * o.shape.visible.camera
+                           | VISIBLE_TO_SHADOW * o.shape.visible.shadow)
+        if "shade_queue" in fields:
+            record["shade_queue"] = queues.index(kind)
+        if "material_id" in fields:
+            record["material_id"] = named.setdefault(id(o.material), len(named))
+        if features.emission:
+            record["emission"] = emission
+    if len(objects):
+        buffers.add("objects", "object_t", records)
+
+
+def _add_lights(buffers: SceneBuffers, table: LightTable) -> None:
+    for kind, members in table.kinds.items():
+        record = np.zeros(len(members), dtype=members[0].record)
+        for row, light in zip(record, members, strict=True):
+            for name, value in light.device_record().items():
+                row[name] = value
+            for name, array in light.arrays().items():
+                buffers.add(name, "float" if array.dtype.kind == "f" else "uint", array)
+        buffers.add(f"{kind}_lights", f"{kind}_light_t", record)
+    if table.cdf is not None and (buffers.features.next_event_estimation or buffers.features.bsdf_pdf):
+        buffers.add("light_cdf", "uint", table.cdf)
+    if buffers.features.emitters:
+        buffers.add("emitters", "uint", table.emitters)

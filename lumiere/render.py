@@ -1,0 +1,136 @@
+"""One render: a scene, a device, and the batches from the first sample to the picture."""
+
+from __future__ import annotations
+
+import resource
+import sys
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+import lumiere
+from lumiere.compile.features import AOV_CHANNELS
+from lumiere.compile.scene import compile_scene
+from lumiere.film.image import Image
+from lumiere.film.progress import Progress
+from lumiere.scene.model import Scene
+from lumiere.wavefront.batch import Batch, passes
+from lumiere.wavefront.loop import Wavefront
+from lumiere.wavefront.policy import policy_for
+from lumiere.wavefront.state import words_per_path
+
+SECONDS_A_BATCH = 1.0
+"""How long a batch may take where somebody may want the picture before the last."""
+
+
+class Render:
+    """A render from scene to Image. Raises DeviceError where the device cannot do it."""
+
+    def __init__(self, scene: Scene, device: str | int | None = None, load_seconds: float = 0.0) -> None:
+        import pyopencl as cl
+
+        from lumiere.device.select import choose
+
+        self.scene = scene
+        self.seconds = {"load": load_seconds, "accelerator": 0.0, "compile": 0.0, "render": 0.0}
+        self.device = choose(device)
+        begin = time.perf_counter()
+        buffers = compile_scene(scene)
+        accelerator = buffers.seconds.get("accelerator", 0.0)
+        self.seconds["load"] += time.perf_counter() - begin - accelerator
+        self.seconds["accelerator"] = accelerator
+        begin = time.perf_counter()
+        x0, y0, x1, y1 = scene.film.window
+        self.width, self.height = x1 - x0, y1 - y0
+        self.samples = self.width * self.height * scene.sampler.spp
+        bytes_per_path = 4 * sum(words_per_path(buffers.features))
+        policy = policy_for(self.device, self.samples, bytes_per_path, 4 * buffers.features.channel_count())
+        context = cl.Context([self.device])
+        self.wavefront = Wavefront(buffers, policy, context, cl.CommandQueue(context, self.device), self.width * self.height)
+        self.seconds["compile"] = time.perf_counter() - begin
+        self.counts = np.zeros(self.width * self.height, dtype=np.int64)
+        """Samples that each pixel, in device order, has got."""
+
+    def run(self, *, time_limit: float | None = None, progress: Callable[[Progress], None] | None = None,
+            stop: Callable[[], bool] | None = None) -> None:
+        """Renders the scene's samples, or as many whole passes as ``time_limit`` and ``stop`` leave."""
+        begin = time.perf_counter()
+        for batch in self._batches(begin, time_limit, patient=time_limit is None and stop is None):
+            self.wavefront.render(batch)
+            self.counts[batch.first_pixel:batch.first_pixel + batch.pixel_count] += batch.samples_a_pixel
+            elapsed = time.perf_counter() - begin
+            if progress is not None:
+                progress(Progress(int(self.counts.sum()), self.samples, elapsed))
+            if self.counts.min() > 0 and ((stop is not None and stop()) or (time_limit is not None and elapsed >= time_limit)):
+                break
+        self.wavefront.finish()
+        self.seconds["render"] += time.perf_counter() - begin
+
+    def _batches(self, begin: float, time_limit: float | None, *, patient: bool) -> Iterator[Batch]:
+        """Batches to the last sample: as large as they may be where nobody waits, else first small and then by what the last ones took."""
+        pixels, done, spp = self.width * self.height, 0, self.scene.sampler.spp
+        at_once = spp if patient else 1
+        while done < spp:
+            wanted = min(at_once, spp - done)
+            yield from passes(done, wanted, pixels, self.wavefront.policy.batch)
+            done += wanted
+            self.wavefront.finish()
+            elapsed = time.perf_counter() - begin
+            left = SECONDS_A_BATCH if time_limit is None else min(SECONDS_A_BATCH, max(0.0, time_limit - elapsed))
+            at_once = max(1, min(4 * at_once, int(done * left / elapsed)))
+
+    def image(self, options: dict[str, Any]) -> Image:
+        """The picture as it stands. ``options`` are what the call asked for, for the record."""
+        features, film = self.wavefront.buffers.features, self.scene.film
+        rows = self.wavefront.film(self.width, self.height)
+        counts = np.zeros(self.width * self.height)
+        from lumiere.wavefront.batch import pixel_order
+
+        counts[pixel_order(self.width, self.height)] = self.counts
+        n = counts.reshape(self.height, self.width)
+        means = rows / np.maximum(n, 1.0)
+        pixels = np.moveaxis(means[:3], 0, -1).astype(np.float32)
+        variance = np.moveaxis(means[-3:], 0, -1) / np.maximum(n - 1.0, 1.0)[..., None]
+        variance = np.where((n > 1.0)[..., None], variance, np.inf).astype(np.float32)
+        aovs = {}
+        for name in film.aovs:
+            if name == "variance":
+                aovs[name] = variance
+            elif name == "sample_count":
+                aovs[name] = n.astype(np.float32)
+            else:
+                first, size = features.channels()[name], AOV_CHANNELS[name]
+                layer = rows[first] - 1.0 if name.endswith("_id") else np.moveaxis(means[first:first + size], 0, -1)
+                aovs[name] = np.squeeze(layer, axis=-1).astype(np.float32) if layer.ndim == 3 and size == 1 else layer.astype(np.float32)
+        image = Image(pixels=pixels, variance=variance, aovs=aovs, record=self._record(options), crop=film.window,
+                      full_size=(film.width, film.height))
+        return image
+
+    def _record(self, options: dict[str, Any]) -> dict[str, Any]:
+        wavefront, scene = self.wavefront, self.scene
+        count, places = wavefront.non_finite(self.width, self.height)
+        x0, y0, _, _ = scene.film.window
+        samples = int(self.counts.sum())
+        seconds = {name: round(value, 4) for name, value in self.seconds.items()}
+        return {
+            "scene": str(scene.path) if scene.path else None, "scene_hash": scene.text_hash, "version": lumiere.__version__,
+            "device": self.device.name.strip(), "driver": f"{self.device.platform.name} {self.device.driver_version}", "options": options,
+            "spp": int(self.counts.min()), "seed": scene.sampler.seed, "features": wavefront.buffers.features.as_record(),
+            "bias": {} if scene.integrator.clamp_indirect is None else {"clamp_indirect": scene.integrator.clamp_indirect},
+            "kernels": [{"name": b.name, "reason": b.reason, "seconds": round(b.seconds, 4)} for b in wavefront.builds],
+            "bytes_per_path": wavefront.bytes_per_path, "paths_in_flight": wavefront.policy.slots,
+            "seconds": seconds | {"total": round(sum(self.seconds.values()), 4)},
+            "samples_per_second": samples / self.seconds["render"] if self.seconds["render"] > 0.0 else 0.0,
+            "rays": {"nearest": wavefront.rays.nearest, "shadow": wavefront.rays.shadow},
+            "triangles_dropped": wavefront.buffers.dropped,
+            "memory": {"host_peak": _host_peak(), "device_peak": wavefront.memory.bytes},
+            "non_finite": {"count": count, "samples": [place | {"x": place["x"] + x0, "y": place["y"] + y0} for place in places]},
+        }
+
+
+def _host_peak() -> int:
+    """Peak resident memory of this process, bytes."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else peak * 1024

@@ -1,0 +1,55 @@
+"""Batches: which samples of which pixels are rendered together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+BATCH = np.dtype([("first_pixel", "<u4"), ("pixel_count", "<u4"), ("samples_a_pixel", "<u4"), ("first_sample", "<u4"), ("sample_count", "<u4")])
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Samples ``first_sample`` … of the pixels ``first_pixel`` …, numbered through the crop in tiles of 8 × 8."""
+
+    first_pixel: int
+    pixel_count: int
+    samples_a_pixel: int
+    first_sample: int
+
+    @property
+    def sample_count(self) -> int:
+        """Samples of the batch."""
+        return self.pixel_count * self.samples_a_pixel
+
+    def record(self) -> np.ndarray:
+        """The batch as the device reads it."""
+        return np.array([(self.first_pixel, self.pixel_count, self.samples_a_pixel, self.first_sample, self.sample_count)], dtype=BATCH)
+
+
+def passes(first_sample: int, samples_a_pixel: int, pixels: int, capacity: int) -> Iterator[Batch]:
+    """Batches of at most ``capacity`` samples that give each of ``pixels`` pixels ``samples_a_pixel`` more samples.
+
+    Where one sample of every pixel fits, a batch holds all pixels, so that the picture can be left after any of them.
+    """
+    if pixels <= capacity:
+        at_once = max(1, capacity // pixels)
+        for done in range(0, samples_a_pixel, at_once):
+            yield Batch(0, pixels, min(at_once, samples_a_pixel - done), first_sample + done)
+        return
+    for sample in range(samples_a_pixel):
+        for first in range(0, pixels, capacity):
+            yield Batch(first, min(capacity, pixels - first), 1, first_sample + sample)
+
+
+def pixel_order(width: int, height: int) -> np.ndarray:
+    """(width · height,) index y · width + x of the pixel with each number: tiles of 8 × 8, row after row (``film_sample`` in cl/lib/sampler.cl)."""
+    y, x = np.divmod(np.arange(width * height), width)
+    band_height = np.minimum(8, height - y // 8 * 8)
+    tile_width = np.minimum(8, width - x // 8 * 8)
+    number = (y // 8) * 8 * width + (x // 8) * 8 * band_height + (y % 8) * tile_width + x % 8
+    order = np.zeros(width * height, dtype=np.int64)
+    order[number] = np.arange(width * height)
+    return order

@@ -1,0 +1,144 @@
+"""The wavefront: rounds of generate → extend → escape, shade → connect until a batch is done, then accumulate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from lumiere.compile.scene import SceneBuffers
+from lumiere.device.program import Build, build_all
+from lumiere.wavefront.batch import BATCH, Batch, pixel_order
+from lumiere.wavefront.memory import DeviceMemory
+from lumiere.wavefront.policy import Policy
+from lumiere.wavefront.source import COUNTERS, NON_FINITE_KEPT, counter_count, program_sources, queue_names
+from lumiere.wavefront.state import words_per_path
+
+
+@dataclass
+class RayCounts:
+    """Rays traced so far, by kind."""
+
+    nearest: int = 0
+    shadow: int = 0
+
+
+@dataclass
+class Wavefront:
+    """A scene on a device, ready to render batches into its film. ``pixels`` is the number of the crop's pixels."""
+
+    buffers: SceneBuffers
+    policy: Policy
+    context: Any
+    queue: Any
+    pixels: int
+    builds: list[Build] = field(default_factory=list)
+    rays: RayCounts = field(default_factory=RayCounts)
+
+    def __post_init__(self) -> None:
+        features, policy = self.buffers.features, self.policy
+        self.memory = DeviceMemory(self.context, self.queue)
+        self.queues = queue_names(features)
+        floats, uints = words_per_path(features)
+        # Arrays whose distance is a power of two share cache sets: 16 words more.
+        stride, self.sample_stride, self.film_stride = policy.slots + 16, policy.batch + 16, self.pixels + 16
+        self.film_arrays = 2 * features.channel_count() + 3
+        allocate = self.memory.allocate
+        self._scene = [self.memory.upload(f"the scene's {name}", array) for name, (_, array) in self.buffers.arrays.items()]
+        path_floats, path_uints = allocate("path state", 4 * floats * stride), allocate("path state", 4 * uints * stride)
+        self._queue_slots = allocate("queues", 4 * policy.slots * (len(self.queues) if policy.compacted else 2))
+        self._counters = allocate("counters", 4 * counter_count(features))
+        self._samples = allocate("the sample buffer", 4 * features.channel_count() * self.sample_stride)
+        self._film = allocate("the film", 4 * self.film_arrays * self.film_stride)
+        self._non_finite = allocate("the list of non-finite samples", 4 * (1 + 2 * NON_FINITE_KEPT))
+        self._batch = allocate("the batch", BATCH.itemsize)
+        self.builds = build_all(program_sources(self.buffers, policy), self.context, self.queue.device)
+        self._arguments = [path_floats, path_uints, np.uint32(stride), self._queue_slots, self._counters, np.uint32(policy.slots)]
+        self._rounds = [[self._stage(build, parity) for build in self.builds[:-1]] for parity in (0, 1)]
+        self._accumulate = self._accumulate_kernel(self.builds[-1])
+
+    @property
+    def bytes_per_path(self) -> int:
+        """Path state and queue entries of one path."""
+        return 4 * sum(words_per_path(self.buffers.features)) + 4 * (len(self.queues) if self.policy.compacted else 2)
+
+    def _stage(self, build: Build, parity: int) -> Any:
+        import pyopencl as cl
+
+        kernel = cl.Kernel(build.program, build.name.partition("[")[0])
+        kernel.set_args(*self._arguments, np.uint32(parity), self._samples, np.uint32(self.sample_stride), self._batch, *self._scene)
+        return kernel
+
+    def _accumulate_kernel(self, build: Build) -> Any:
+        import pyopencl as cl
+
+        kernel = cl.Kernel(build.program, "accumulate")
+        kernel.set_args(self._samples, np.uint32(self.sample_stride), self._film, np.uint32(self.film_stride), self._non_finite, self._batch)
+        return kernel
+
+    def _begin(self, batch: Batch) -> None:
+        """All slots idle, all counters 0."""
+        import pyopencl as cl
+
+        counters = np.zeros(counter_count(self.buffers.features), dtype=np.uint32)
+        if self.policy.compacted:
+            counters[0] = self.policy.slots
+            cl.enqueue_copy(self.queue, self._queue_slots, np.arange(self.policy.slots, dtype=np.uint32), is_blocking=True)
+        else:
+            cl.enqueue_fill_buffer(self.queue, self._queue_slots, np.uint32(0), 0, 8 * self.policy.slots)
+        cl.enqueue_copy(self.queue, self._counters, counters, is_blocking=True)
+        cl.enqueue_copy(self.queue, self._batch, batch.record(), is_blocking=True)
+
+    def render(self, batch: Batch) -> None:
+        """Renders a batch and adds it to the film. The host looks at the counters one look behind the device, so neither waits for the other."""
+        import pyopencl as cl
+
+        self._begin(batch)
+        group, size = (self.policy.work_group,), (self.policy.slots,)
+        pending: tuple[Any, np.ndarray] | None = None
+        while True:
+            for number in range(self.policy.rounds):
+                for kernel in self._rounds[number % 2]:
+                    cl.enqueue_nd_range_kernel(self.queue, kernel, size, group)
+            counters = np.zeros(counter_count(self.buffers.features), dtype=np.uint32)
+            look = cl.enqueue_copy(self.queue, counters, self._counters, is_blocking=False)
+            self.queue.flush()
+            if pending is not None:
+                pending[0].wait()
+                if pending[1][self.queues.index("EXTEND_1")] == 0:
+                    break
+            pending = (look, counters)
+        pixels = -(-batch.pixel_count // self.policy.work_group) * self.policy.work_group
+        cl.enqueue_nd_range_kernel(self.queue, self._accumulate, (pixels,), group)
+        look.wait()
+        self.rays.nearest += int(counters[len(self.queues) + COUNTERS.index("RAYS")])
+        self.rays.shadow += int(counters[len(self.queues) + COUNTERS.index("SHADOW_RAYS")])
+
+    def finish(self) -> None:
+        """Waits for the device."""
+        self.queue.finish()
+
+    def film(self, width: int, height: int) -> np.ndarray:
+        """(arrays, height, width) float64 of the film as it stands: for each channel its sum, then the squared deviations of radiance."""
+        import pyopencl as cl
+
+        channels = self.buffers.features.channel_count()
+        raw = np.zeros(self.film_arrays * self.film_stride, dtype=np.float32)
+        cl.enqueue_copy(self.queue, raw, self._film, is_blocking=True)
+        rows = raw.reshape(self.film_arrays, self.film_stride)[:, :self.pixels].astype(np.float64)
+        sums = rows[0:2 * channels:2] - rows[1:2 * channels:2]  # a compensated sum less what it still owes
+        out = np.zeros((channels + 3, self.pixels))
+        out[:, pixel_order(width, height)] = np.concatenate([sums, rows[2 * channels:]])
+        return out.reshape(channels + 3, height, width)
+
+    def non_finite(self, width: int, height: int) -> tuple[int, list[dict[str, int]]]:
+        """How many samples were not finite, and where the first of them are: pixel in the crop and sample index."""
+        import pyopencl as cl
+
+        raw = np.zeros(1 + 2 * NON_FINITE_KEPT, dtype=np.uint32)
+        cl.enqueue_copy(self.queue, raw, self._non_finite, is_blocking=True)
+        order = pixel_order(width, height)
+        kept = raw[1:1 + 2 * min(int(raw[0]), NON_FINITE_KEPT)].reshape(-1, 2)
+        places = sorted({(int(order[pixel]), int(sample)) for pixel, sample in kept})
+        return int(raw[0]), [{"x": at % width, "y": at // width, "sample": sample} for at, sample in places]

@@ -1,0 +1,30 @@
+"""What suits a device: how queues are kept, how many paths are in flight, how large a batch is. The figures: docs/performance.md."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Policy:
+    """``compacted``: queues are lists of slots (GPUs), else tags on all slots (CPUs). ``slots``: paths in flight; ``batch``: samples in one batch;
+    ``rounds``: rounds of stages queued between two looks at the counters."""
+
+    compacted: bool
+    work_group: int
+    slots: int
+    batch: int
+    rounds: int
+
+
+def policy_for(device: Any, samples: int, bytes_per_path: int, bytes_per_sample: int) -> Policy:
+    """The policy for ``device`` (a pyopencl.Device) to render ``samples`` samples: no more slots than samples, no more memory than a quarter."""
+    import pyopencl as cl
+
+    gpu = bool(device.type & cl.device_type.GPU)
+    work_group = min(64, device.max_work_group_size)
+    memory = min(device.global_mem_size // 4, device.max_mem_alloc_size)
+    slots = min(1 << 22 if gpu else 1 << 15, memory // max(1, bytes_per_path), max(1, samples))
+    batch = min(1 << 26 if gpu else 1 << 20, memory // max(1, bytes_per_sample), max(1, samples))
+    return Policy(gpu, work_group, -(-slots // work_group) * work_group, batch, 8)

@@ -1,0 +1,138 @@
+"""The text of each program: features as macros, generated declarations, and the stage's file."""
+
+from __future__ import annotations
+
+from lumiere.compile.features import FIRST_HIT_AOVS, ID_AOVS, Features
+from lumiere.compile.materials import NO_TEXTURE, bsdf_source
+from lumiere.compile.scene import TWO_SIDED, VISIBLE_TO_CAMERA, VISIBLE_TO_SHADOW, SceneBuffers
+from lumiere.device.program import ProgramSource
+from lumiere.device.source import assemble, c_struct, template
+from lumiere.filter import TABLE_SIZE
+from lumiere.wavefront.batch import BATCH
+from lumiere.wavefront.policy import Policy
+from lumiere.wavefront.state import path_source
+
+NON_FINITE_KEPT = 64
+
+
+def queue_names(features: Features) -> list[str]:
+    """The queues, in the order of their numbers."""
+    names = ["IDLE_0", "IDLE_1", "EXTEND_0", "EXTEND_1", "CONNECT"]
+    names += ["ESCAPE"] if features.infinite_lights else []
+    return names + [f"SHADE_{i}" for i in range(max(1, len(features.bsdfs)))]
+
+
+COUNTERS = ("NEXT_SAMPLE", "RAYS", "SHADOW_RAYS")
+
+
+def counter_count(features: Features) -> int:
+    """Words of the counter buffer: queue sizes, then COUNTERS."""
+    return len(queue_names(features)) + len(COUNTERS)
+
+
+def _defines(features: Features, policy: Policy) -> str:
+    queues = queue_names(features)
+    flags = {
+        "EMISSION": features.emission, "EMITTERS": features.emitters, "TEXTURED_EMISSION": features.textured_emission,
+        "PATH_BSDF_PDF": features.bsdf_pdf, "PATH_ETA_SCALE": features.eta_scale, "CAMERA_LENS": features.camera_lens,
+        "CAMERA_PARTIAL": features.camera_partial, "FILTER_TABLE": features.filter_table, "CLAMP_INDIRECT": features.clamp_indirect,
+        "VISIBILITY": features.visibility, "TRIANGLE_CORNERS": features.triangle_corners, "VERTEX_NORMALS": features.vertex_normals,
+        "VERTEX_UVS": features.vertex_uvs, "VERTEX_COLORS": features.vertex_colors, "SURFACE_UV": features.surface_uv,
+        "SURFACE_TANGENT": features.surface_tangent, "SURFACE_COLOR": features.surface_color,
+        "INFINITE_LIGHTS": bool(features.infinite_lights), "SAMPLER_STRATA": features.sampler == "stratified",
+        "QUEUES_COMPACTED": policy.compacted, f"LIGHT_SAMPLING_{features.light_sampling.upper()}": True,
+        "FIRST_HIT_AOVS": any(name in FIRST_HIT_AOVS for name in features.aovs),
+    }
+    channels = features.channels()
+    values = {f"CHANNEL_{name.upper()}": f"{first}u" for name, first in channels.items()}
+    values |= {f"QUEUE_{name}": f"{number}u" for number, name in enumerate(queues)}
+    values |= {f"COUNTER_{name}": f"{len(queues) + i}u" for i, name in enumerate(COUNTERS)}
+    values |= {
+        "CHANNEL_COUNT": f"{features.channel_count()}u",
+        "FIRST_ID_CHANNEL": f"{min([channels[name] for name in ID_AOVS if name in channels], default=features.channel_count())}u",
+        "QUEUE_COUNT": f"{len(queues)}u", "SHADE_QUEUES": str(max(1, len(features.bsdfs))), "FILTER_TABLE_SIZE": f"{TABLE_SIZE}u",
+        "NON_FINITE_KEPT": f"{NON_FINITE_KEPT}u", "NO_TEXTURE": f"{NO_TEXTURE}u", "OBJECT_TWO_SIDED": f"{TWO_SIDED}u",
+        "OBJECT_VISIBLE_TO_CAMERA": f"{VISIBLE_TO_CAMERA}u", "OBJECT_VISIBLE_TO_SHADOW": f"{VISIBLE_TO_SHADOW}u",
+        "WORK_GROUP": f"__attribute__((reqd_work_group_size({policy.work_group}, 1, 1)))",
+    }
+    lines = [f"#define {name}" for name, present in flags.items() if present]
+    return "\n".join(lines + [f"#define {name} {value}" for name, value in values.items()]) + "\n"
+
+
+def _scene_struct(buffers: SceneBuffers) -> str:
+    """scene_t: pointers to the scene's buffers; and the kernel parameters that every stage takes, with the text that packs them up."""
+    mask = "    uint ray_mask;\n" if buffers.features.visibility else ""
+    members = "".join(f"    global const {c_type} *{name};\n" for name, (c_type, _) in buffers.arrays.items())
+    parameters = ["global float *path_floats", "global uint *path_uints", "uint path_stride", "global uint *queue_slots", "global uint *counters",
+                  "uint capacity", "uint parity", "global float *sample_values", "uint sample_stride", "global const batch_t *batch"]
+    parameters += [f"global const {c_type} *scene_{name}" for name, (c_type, _) in buffers.arrays.items()]
+    begin = ["local uint scratch[QUEUE_COUNT + 2u];", "scene_t scene;", "scene.batch = batch;"]
+    begin += [f"scene.{name} = scene_{name};" for name in buffers.arrays]
+    begin += ["path_t path = {path_floats, path_uints, path_stride};", "samples_t samples = {sample_values, sample_stride};",
+              "queues_t queues;", "queues.counters = counters;", "queues.capacity = capacity;"]
+    return (f"typedef struct {{\n    global const batch_t *batch;\n{mask}{members}}} scene_t;\n\n"
+            "typedef struct {\n    global float *values;\n    uint stride;\n} samples_t;\n\n"
+            "#ifdef QUEUES_COMPACTED\n"
+            "typedef struct {\n    global uint *slots;\n    global uint *counters;\n    uint capacity;\n} queues_t;\n"
+            "#define QUEUES_BEGIN queues.slots = queue_slots;\n"
+            "#else\n"
+            "typedef struct {\n    global uint *tags;\n    global uint *connects;\n    global uint *counters;\n    uint capacity;\n} queues_t;\n"
+            "#define QUEUES_BEGIN queues.tags = queue_slots; queues.connects = queue_slots + capacity;\n"
+            "#endif\n\n"
+            f"#define STAGE_PARAMETERS {', '.join(parameters)}\n#define STAGE_BEGIN {' '.join(begin)} QUEUES_BEGIN\n\n")
+
+
+def _for_each(name: str, items: tuple[str, ...] | list[str], *, numbered: bool = False) -> str:
+    calls = [f"X({i}, {item})" if numbered else f"X({item})" for i, item in enumerate(items)]
+    return f"#define FOR_EACH_{name}(X) {' '.join(calls)}\n"
+
+
+def _shapes(features: Features) -> str:
+    text = [_for_each("SHAPE", list(features.shapes))]
+    if features.visibility:
+        text.append("#define VISIBLE(scene, primitive) \\\n"
+                    "    (((scene)->objects[(scene)->primitive_objects[primitive]].flags & (scene)->ray_mask) == (scene)->ray_mask)\n")
+    for name, layout in features.shapes.items():
+        text.append(f'#include "shape/{name}.cl"\n')
+        text.append(f"#define SHAPE {name}\n#define SHAPE_FIRST scene->render->{name}_first\n#define SHAPE_COUNT scene->render->{name}_count\n"
+                    f"#define SHAPE_BUFFER(key) scene->{name}_##key\n{template(f'accel/{layout}.cl')}"
+                    "#undef SHAPE\n#undef SHAPE_FIRST\n#undef SHAPE_COUNT\n#undef SHAPE_BUFFER\n")
+    return "".join(text)
+
+
+def generated_sources(buffers: SceneBuffers, policy: Policy) -> dict[str, str]:
+    """The includes ``scene/…`` that are made for the scene, and ``lib/path.cl``."""
+    features = buffers.features
+    lights = "".join(f'#include "light/{kind}.cl"\n' for kind in features.lights)
+    lights += '#include "light/shape.cl"\n' if features.emitters else ""
+    lights += _for_each("LIGHT", features.lights) + _for_each("INFINITE_LIGHT", features.infinite_lights)
+    return {
+        "lib/path.cl": path_source(features),
+        "scene/shapes.cl": _shapes(features),
+        "scene/lights.cl": lights,
+        "scene/textures.cl": "".join(f'#include "texture/{kind}.cl"\n' for kind in features.textures)
+        + _for_each("TEXTURE", features.textures, numbered=True),
+        "scene/camera.cl": f'#include "camera/{features.camera}.cl"\n',
+        "scene/sampler.cl": f'#include "sampler/{features.sampler}.cl"\n',
+    }
+
+
+def program_sources(buffers: SceneBuffers, policy: Policy) -> list[ProgramSource]:
+    """The programs of the stages that the scene needs, in the order in which they are launched."""
+    features = buffers.features
+    prelude = (_defines(features, policy) + c_struct("batch_t", BATCH) + buffers.struct_source()
+               + _scene_struct(buffers))
+    generated = generated_sources(buffers, policy)
+    sources = [ProgramSource("generate", assemble("stages/generate.cl", prelude, generated)),
+               ProgramSource("extend", assemble("stages/extend.cl", prelude, generated))]
+    if features.infinite_lights:
+        sources.append(ProgramSource("escape", assemble("stages/escape.cl", prelude, generated)))
+    for number, (kind, textured) in enumerate(features.bsdfs.items()):
+        specular = kind in features.specular_bsdfs
+        own = f"#define QUEUE_SHADE QUEUE_SHADE_{number}\n" + ("#define NEXT_EVENT_ESTIMATION\n" if features.next_event_estimation and not specular else "")
+        bsdf = bsdf_source(kind, buffers.bsdf_parameters[kind], textured)
+        sources.append(ProgramSource(f"shade[{kind}]", assemble("stages/shade.cl", prelude + own, generated | {"scene/bsdf.cl": bsdf})))
+    if features.next_event_estimation:
+        sources.append(ProgramSource("connect", assemble("stages/connect.cl", prelude, generated)))
+    accumulate = _defines(features, policy) + c_struct("batch_t", BATCH)
+    return [*sources, ProgramSource("accumulate", assemble("stages/accumulate.cl", accumulate))]

@@ -1,0 +1,71 @@
+"""Path state: one list of fields, one array a field.
+
+The list is the documentation: what a path carries, and which feature of the scene makes it carry that. Fields of features that the scene does not
+have take no bytes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lumiere.compile.features import Features
+
+
+@dataclass(frozen=True)
+class PathField:
+    """A field of a path: ``kind`` is ``float``, ``float3`` or ``uint``; present where ``feature`` (of Features) is set, or always."""
+
+    name: str
+    kind: str
+    doc: str
+    feature: str = ""
+
+    @property
+    def size(self) -> int:
+        """4-byte words."""
+        return 3 if self.kind == "float3" else 1
+
+
+PATH_FIELDS = (
+    PathField("sample", "uint", "place in the batch's sample buffer"),
+    PathField("depth", "uint", "scattering events so far"),
+    PathField("origin", "float3", "of the ray"),
+    PathField("direction", "float3", "of the ray, unit"),
+    PathField("throughput", "float3", "product of the BSDF weights and of the roulette's"),
+    PathField("bsdf_pdf", "float", "density of the direction over solid angle; 0 from the camera or a specular lobe", "bsdf_pdf"),
+    PathField("eta_scale", "float", "product of η² over the interfaces crossed", "eta_scale"),
+    PathField("primitive", "uint", "that the ray met"),
+    PathField("hit", "float3", "t, u, v of the meeting"),
+    PathField("shadow_origin", "float3", "of the shadow ray", "next_event_estimation"),
+    PathField("shadow_direction", "float3", "of the shadow ray; to the light's point, or unit for an infinite light", "next_event_estimation"),
+    PathField("shadow_t_max", "float", "of the shadow ray: 1, or infinity", "next_event_estimation"),
+    PathField("contribution", "float3", "what the shadow ray adds where nothing is in its way", "next_event_estimation"),
+)
+
+
+def path_fields(features: Features) -> list[PathField]:
+    """The fields that a scene with ``features`` needs."""
+    return [field for field in PATH_FIELDS if not field.feature or getattr(features, field.feature)]
+
+
+def words_per_path(features: Features) -> tuple[int, int]:
+    """4-byte words a path: of floats, and of unsigned integers."""
+    fields = path_fields(features)
+    return (sum(f.size for f in fields if f.kind != "uint"), sum(f.size for f in fields if f.kind == "uint"))
+
+
+def path_source(features: Features) -> str:
+    """``lib/path.cl``: the type path_t and a getter and a setter for each field."""
+    text = ["typedef struct {\n    global float *floats;\n    global uint *uints;\n    uint stride;\n} path_t;\n"]
+    offsets = {"float": 0, "uint": 0}
+    for field in path_fields(features):
+        words = "uint" if field.kind == "uint" else "float"
+        first = offsets[words]
+        offsets[words] += field.size
+        at = [f"path->{words}s[(size_t){first + i}u * path->stride + slot]" for i in range(field.size)]
+        value = at[0] if field.size == 1 else f"(float3)({', '.join(at)})"
+        sets = f"{at[0]} = value;" if field.size == 1 else " ".join(f"{a} = value.{c};" for a, c in zip(at, "xyz", strict=True))
+        text.append(f"// {field.doc}\n"
+                    f"static inline {field.kind} path_get_{field.name}(const path_t *path, uint slot) {{ return {value}; }}\n"
+                    f"static inline void path_set_{field.name}(const path_t *path, uint slot, {field.kind} value) {{ {sets} }}\n")
+    return "\n".join(text)
