@@ -1,8 +1,5 @@
 // Rays, and what they meet.
 
-#ifndef LIB_RAY_CL
-#define LIB_RAY_CL
-
 typedef struct {
     float3 o;       // origin
     float3 d;       // direction; t counts its lengths
@@ -21,5 +18,3 @@ static inline bool ray_is_valid(const ray_t *ray)
 {
     return all(isfinite(ray->o)) && all(isfinite(ray->d)) && any(ray->d != (float3)(0.0f));
 }
-
-#endif

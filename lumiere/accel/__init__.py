@@ -1,0 +1,32 @@
+"""Accelerators: how a ray finds the primitives of one shape kind. ``NAME.py`` here and ``cl/accel/NAME.cl`` make one."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from lumiere.accel.build import Topology
+
+FLAT_UP_TO = 8
+"""As many primitives are faster tested one after the other than through a tree of two or three nodes."""
+
+
+class Accelerator(Protocol):
+    """A builder and a layout. ``cl/accel/{name}.cl`` traverses what ``encode`` makes."""
+
+    name: ClassVar[str]
+
+    def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
+        """The topology over boxes (n, 3) float32; ``order`` is the order in which the primitives have to be stored."""
+
+    def encode(self, topology: Topology) -> dict[str, np.ndarray]:
+        """The device's arrays, of float32 or uint32, by name: the field ``{shape}_{name}`` of ``scene_t``."""
+
+
+def choose(n_primitives: int, bounded: bool) -> Accelerator:
+    """The accelerator for ``n_primitives`` of a kind whose boxes are finite or not."""
+    from lumiere.accel.bvh2 import Bvh2
+    from lumiere.accel.flat import Flat
+
+    return Bvh2() if bounded and n_primitives > FLAT_UP_TO else Flat()

@@ -1,0 +1,18 @@
+// What the traversals share. The host includes a traversal once for each shape kind, between definitions of
+//   SHAPE              the kind's name: SHAPE_prepare and SHAPE_intersect are called, SHAPE_nearest and SHAPE_occluded defined
+//   SHAPE_FIRST        number of its first primitive among those of all kinds
+//   SHAPE_COUNT        number of its primitives
+//   SHAPE_BUFFER(key)  the array `key` of its encoder
+// and, where objects can be hidden from rays, VISIBLE(scene, primitive): whether a hit counts.
+
+#include "lib/ray.cl"
+
+#define SHAPE_JOIN_EXPANDED(shape, suffix) shape##suffix
+#define SHAPE_JOIN(shape, suffix) SHAPE_JOIN_EXPANDED(shape, suffix)
+#define SHAPE_FUNCTION(suffix) SHAPE_JOIN(SHAPE, _##suffix)
+
+#ifdef VISIBLE
+#define SHAPE_ACCEPTS(index) VISIBLE(scene, (index) + SHAPE_FIRST)
+#else
+#define SHAPE_ACCEPTS(index) true
+#endif
