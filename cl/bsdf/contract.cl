@@ -8,7 +8,7 @@ typedef struct {
     int specular;   // the direction came from a Dirac lobe
 } bsdf_sample_t;
 
-inline bsdf_sample_t bsdf_sample_failed(void)
+static inline bsdf_sample_t bsdf_sample_failed(void)
 {
     bsdf_sample_t s;
     s.wi = (float3)(0.0f, 0.0f, 1.0f);

@@ -3,7 +3,7 @@
 
 // Reflectance between dielectrics. cos_i ≥ 0: cosine of incidence; eta: index of the far side over the near side's.
 // *cos_t: cosine of refraction, 0 where reflection is total.
-inline float fresnel_dielectric(float cos_i, float eta, float *cos_t)
+static inline float fresnel_dielectric(float cos_i, float eta, float *cos_t)
 {
     if (eta == 1.0f) {  // no interface; the equations below are 0 / 0 at grazing incidence
         *cos_t = cos_i;
@@ -27,7 +27,7 @@ inline float fresnel_dielectric(float cos_i, float eta, float *cos_t)
 //     Rs = ((a − cosθ)² + b²) / ((a + cosθ)² + b²)
 //     Rp = Rs ((a − sinθ tanθ)² + b²) / ((a + sinθ tanθ)² + b²)
 // Sums of squares, so that rounding can neither make them negative nor exceed 1.
-inline float fresnel_conductor_channel(float cos_i, float eta, float k)
+static inline float fresnel_conductor_channel(float cos_i, float eta, float k)
 {
     const float sin2 = fmax(0.0f, 1.0f - cos_i * cos_i);
     const float difference = (eta - k) * (eta + k) - sin2;  // a² − b²
@@ -50,20 +50,20 @@ inline float fresnel_conductor_channel(float cos_i, float eta, float k)
 }
 
 // Reflectance of a conductor of complex index eta + i k, relative to the near side's, per channel. cos_i ≥ 0.
-inline float3 fresnel_conductor(float cos_i, float3 eta, float3 k)
+static inline float3 fresnel_conductor(float cos_i, float3 eta, float3 k)
 {
     return (float3)(fresnel_conductor_channel(cos_i, eta.x, k.x), fresnel_conductor_channel(cos_i, eta.y, k.y),
                     fresnel_conductor_channel(cos_i, eta.z, k.z));
 }
 
 // w mirrored about the normal m. Both unit.
-inline float3 reflect_about(float3 w, float3 m)
+static inline float3 reflect_about(float3 w, float3 m)
 {
     return 2.0f * dot(w, m) * m - w;
 }
 
 // w refracted through the interface of unit normal m on w's side: Walter et al. 2007, eq. 40, with cos_t from fresnel_dielectric.
-inline float3 refract_through(float3 w, float3 m, float cos_i, float cos_t, float eta)
+static inline float3 refract_through(float3 w, float3 m, float cos_i, float cos_t, float eta)
 {
     return normalize((cos_i / eta - cos_t) * m - w / eta);
 }

@@ -23,7 +23,7 @@ typedef struct {
 } ggx_t;
 
 // α = roughness², stretched along x by anisotropy: αx / αy = 1 / (1 − 0.9 anisotropy) (Burley 2012, addenda).
-inline ggx_t ggx_new(float roughness, float anisotropy)
+static inline ggx_t ggx_new(float roughness, float anisotropy)
 {
     const float r = clamp(roughness, SMOOTH_ROUGHNESS, 1.0f);
     const float aspect = sqrt(1.0f - 0.9f * clamp(anisotropy, 0.0f, 1.0f));
@@ -34,7 +34,7 @@ inline ggx_t ggx_new(float roughness, float anisotropy)
 }
 
 // D(m): area of microfacets per unit of surface and of solid angle (Walter et al. 2007, eq. 33; stretched: Burley 2012, §B.2). m unit.
-inline float ggx_density(ggx_t ggx, float3 m)
+static inline float ggx_density(ggx_t ggx, float3 m)
 {
     const float x = m.x / ggx.x, y = m.y / ggx.y;
     const float t = x * x + y * y + m.z * m.z;
@@ -42,40 +42,40 @@ inline float ggx_density(ggx_t ggx, float3 m)
 }
 
 // A(w) = |(αx wx, αy wy, wz)|.
-inline float ggx_a(ggx_t ggx, float3 w)
+static inline float ggx_a(ggx_t ggx, float3 w)
 {
     const float x = ggx.x * w.x, y = ggx.y * w.y;
     return sqrt(x * x + y * y + w.z * w.z);
 }
 
 // G1(wo) / |cosθo| = 2 / (|cosθo| + A(wo)).
-inline float ggx_g1_over_cos(ggx_t ggx, float3 wo)
+static inline float ggx_g1_over_cos(ggx_t ggx, float3 wo)
 {
     return 2.0f / (fabs(wo.z) + ggx_a(ggx, wo));
 }
 
 // G2(wo, wi) / (|cosθo| |cosθi|), heights correlated: G2 = 1 / (1 + Λ(wo) + Λ(wi)) (Heitz 2014, eq. 99).
-inline float ggx_g2_over_cos_cos(ggx_t ggx, float3 wo, float3 wi)
+static inline float ggx_g2_over_cos_cos(ggx_t ggx, float3 wo, float3 wi)
 {
     return 2.0f / (ggx_a(ggx, wo) * fabs(wi.z) + ggx_a(ggx, wi) * fabs(wo.z));
 }
 
 // G2(wo, wi) / G1(wo): what is left of a sample's weight when its normal was a visible one.
-inline float ggx_g2_over_g1(ggx_t ggx, float3 wo, float3 wi)
+static inline float ggx_g2_over_g1(ggx_t ggx, float3 wo, float3 wi)
 {
     const float a_o = ggx_a(ggx, wo), a_i = ggx_a(ggx, wi), cos_o = fabs(wo.z), cos_i = fabs(wi.z);
     return cos_i * (cos_o + a_o) / (a_o * cos_i + a_i * cos_o);
 }
 
 // Density of the normals visible from wo: G1(wo) max(0, wo·m) D(m) / cosθo (PBR 4ed, §9.6.4). wo.z > 0.
-inline float ggx_visible_density(ggx_t ggx, float3 wo, float3 m)
+static inline float ggx_visible_density(ggx_t ggx, float3 wo, float3 m)
 {
     return ggx_g1_over_cos(ggx, wo) * fmax(0.0f, dot(wo, m)) * ggx_density(ggx, m);
 }
 
 // A normal with that density (Dupuy & Benyoub 2023, listing 3). wo.z > 0.
 // A cap's point at height z = 1 − t has sin² = 1 − z² = t (2 − t), which keeps its digits for the small t of narrow lobes.
-inline float3 ggx_sample_visible(ggx_t ggx, float3 wo, float2 u)
+static inline float3 ggx_sample_visible(ggx_t ggx, float3 wo, float2 u)
 {
     const float3 w = normalize((float3)(ggx.x * wo.x, ggx.y * wo.y, wo.z));  // to the hemisphere configuration, α = 1
     const float t = u.x * (1.0f + w.z), phi = 2.0f * PI * u.y;

@@ -6,14 +6,14 @@
 
 // Index on the far side over that on wo's: the surface's normal points out of the material of index ior.
 // Beyond these bounds, which nothing transparent reaches, an interface reflects nearly everything and its square would overflow.
-inline float relative_ior(float ior, float3 wo)
+static inline float relative_ior(float ior, float3 wo)
 {
     const float bounded = clamp(ior, 1e-3f, 1e3f);
     return wo.z > 0.0f ? bounded : 1.0f / bounded;
 }
 
 // One of the two lobes, picked with the Fresnel reflectance. Refracted radiance is scaled by 1 / η² (Veach 1997, §5.2).
-inline bsdf_sample_t interface_sample(float ior, float3 transmittance, float3 wo, float u)
+static inline bsdf_sample_t interface_sample(float ior, float3 transmittance, float3 wo, float u)
 {
     if (wo.z == 0.0f)
         return bsdf_sample_failed();

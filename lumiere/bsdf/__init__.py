@@ -8,6 +8,14 @@ from typing import Any, ClassVar
 from lumiere.registry import Registry
 from lumiere.scene.fields import Spectrum, boolean, choice, number, spectrum, texture
 
+SMOOTH_ROUGHNESS = 0.01
+"""Below this perceptual roughness a surface is shaded as a smooth one: ``cl/lib/microfacet.cl`` says why."""
+
+
+def is_smooth(roughness: float | Any) -> bool:
+    """Is a material of this roughness smooth everywhere? One with a texture may be rough somewhere."""
+    return isinstance(roughness, (int, float)) and roughness < SMOOTH_ROUGHNESS
+
 
 @dataclass(kw_only=True)
 class Material:
@@ -18,12 +26,15 @@ class Material:
     * ``device_parameters``: names and kinds (``"number"`` or ``"spectrum"``) of what its BSDF's functions take;
     * ``device_values``: those parameters' values, each a float, a spectrum or a texture (default: the attributes of the same names);
     * ``device_kind``: the BSDF that shades it (default: ``type``);
-    * ``specular``: all of its lobes are Dirac deltas.
+    * ``purely_specular``: all of its lobes are Dirac deltas;
+    * ``examples``: a few materials of the kind that show its range, for the tests and the reference.
+
+    What depends on the values (smooth or rough, say) is a property of the same name: ask the instance, not the class.
     """
 
     type: ClassVar[str]
     device_parameters: ClassVar[dict[str, str]] = {}
-    specular: ClassVar[bool] = False
+    purely_specular: ClassVar[bool] = False
     refracts: ClassVar[bool] = False
     """Radiance is scaled where it crosses the surface."""
     reflective: ClassVar[bool] = True
@@ -44,6 +55,11 @@ class Material:
         return self.type
 
     @property
+    def specular(self) -> bool:
+        """``purely_specular``, where no parameter of the kind has this name."""
+        return self.purely_specular
+
+    @property
     def needs_tangent(self) -> bool:
         """Its shading depends on how the surface's uv run: it is anisotropic, or tilted by a map."""
         return bool(getattr(self, "anisotropy", 0.0)) or self.normal_map is not None or self.bump_map is not None
@@ -51,6 +67,15 @@ class Material:
     def device_values(self) -> dict[str, Any]:
         """The values of ``device_parameters``, by name."""
         return {name: getattr(self, name) for name in self.device_parameters}
+
+    def check(self) -> str | None:
+        """A complaint about values that exclude each other, or None."""
+        return None
+
+    @classmethod
+    def examples(cls) -> list[Material]:
+        """Materials of this kind that show its range."""
+        return [cls()]
 
 
 MATERIALS: Registry[Material] = Registry("lumiere.bsdf", "material")

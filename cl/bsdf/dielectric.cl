@@ -1,0 +1,25 @@
+// Smooth glass: a Dirac lobe of reflection and one of refraction, picked by the Fresnel reflectance (lib/specular.cl).
+// The normal points out of the material: wo.z > 0 is outside.
+
+#include "bsdf/contract.cl"
+#include "lib/specular.cl"
+
+static inline float3 dielectric_eval(const dielectric_t *bsdf, float3 wo, float3 wi)
+{
+    return (float3)(0.0f);
+}
+
+static inline float dielectric_pdf(const dielectric_t *bsdf, float3 wo, float3 wi)
+{
+    return 0.0f;
+}
+
+static inline bsdf_sample_t dielectric_sample(const dielectric_t *bsdf, float3 wo, float3 u)
+{
+    return interface_sample(bsdf->ior, bsdf->transmittance, wo, u.x);
+}
+
+static inline float3 dielectric_albedo(const dielectric_t *bsdf)
+{
+    return bsdf->transmittance;
+}
