@@ -49,7 +49,7 @@ class Reader:
         fields = _declared(cls)
         given = {}
         for key, child in node.value.items():
-            if key in ignore:
+            if key in ignore or (key not in fields and (noun, key) in UNSUPPORTED):  # the latter holds nothing, or would have been refused
                 continue
             if key not in fields:
                 known = [*ignore, *fields]
@@ -91,7 +91,7 @@ class Reader:
         registry, section = self._sections[noun]
         known = section.value if section is not None else {}
         if name not in known:
-            names = one_of(known) if known else f"one, but the scene has no {noun}s"
+            names = one_of(known) if known else "but the scene has none"
             raise user.error(f"found {quote(name)}, expected the name of a {noun}, {names}{did_you_mean(name, known)}")
         key = (noun, name)
         if key in self._being_read:

@@ -148,7 +148,7 @@ class _Parser:
             return raw, match.end()
         for escape in _ESCAPE.finditer(raw):
             if escape.group(1) is not None:
-                raise node.error(f"found the escape {quote(escape.group())[1:-1]}, expected one of \\\" \\\\ \\/ \\b \\f \\n \\r \\t \\uXXXX",
+                raise node.error(f"found the escape {printable(escape.group())}, expected one of \\\" \\\\ \\/ \\b \\f \\n \\r \\t \\uXXXX",
                                  match.start(1) + escape.start())
         string = json.loads(match.group())
         if _SURROGATE.search(string):
@@ -176,7 +176,13 @@ class _Parser:
         return pos
 
     def _fail(self, pos: int, node: Node | None, expected: str, found: str | None = None) -> NoReturn:
-        if found is None:
-            word = _WORD.match(self.text, pos)
-            found = quote(word.group() if word else self.text[pos])[1:-1] if pos < len(self.text) else "the end of the file"
-        raise (node or Node(self.source, pos, None, None)).error(f"found {found}, expected {expected}", pos)
+        raise (node or Node(self.source, pos, None, None)).error(f"found {found or self._token(pos)}, expected {expected}", pos)
+
+    def _token(self, pos: int) -> str:
+        """What stands at ``pos``, for complaints."""
+        if pos == len(self.text):
+            return "the end of the file"
+        word = _WORD.match(self.text, pos)
+        if word is None:
+            return "a string" if self.text[pos] == '"' else f"'{printable(self.text[pos])}'"
+        return quote(word.group())[1:-1]

@@ -14,7 +14,7 @@ Vector = tuple[float, float, float]
 
 @dataclass(kw_only=True)
 class Rotate:
-    """Counter-clockwise, seen against the axis, about the origin."""
+    """Counter-clockwise as seen with the axis pointing at the viewer, about the origin."""
 
     axis: Vector = vector(doc="any length but 0")
     angle: float = number(doc="degrees")

@@ -30,7 +30,7 @@ def look_at_matrix(origin: np.ndarray, target: np.ndarray, up: np.ndarray) -> np
 
 
 def rotation_matrix(axis: np.ndarray, angle: float) -> np.ndarray:
-    """The rotation by ``angle`` degrees, counter-clockwise seen against the non-zero ``axis`` (Rodrigues' formula)."""
+    """The rotation by ``angle`` degrees, counter-clockwise as seen with the non-zero ``axis`` pointing at the viewer (Rodrigues' formula)."""
     x, y, z = np.asarray(axis, dtype=np.float64) / np.linalg.norm(axis)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turn = np.deg2rad(angle)
