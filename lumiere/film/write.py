@@ -28,16 +28,22 @@ RECORD_KEYS = ("scene", "scene_hash", "version", "device", "driver", "spp", "see
 _REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
 
-def check_output(path: str | os.PathLike[str]) -> None:
-    """Raises UsageError where ``Image.save(path)`` could not work: suffix, folder or rights. Leaves nothing behind."""
+JPEG_MAX_SIZE = 65500
+"""Largest width and height that libjpeg takes."""
+
+
+def check_output(path: str | os.PathLike[str], size: tuple[int, int] | None = None) -> None:
+    """Raises UsageError where ``Image.save(path)`` could not work: suffix, ``size`` (width, height), folder or rights. Leaves nothing behind."""
     _writer(path)
+    if size is not None and max(size) > JPEG_MAX_SIZE and Path(path).suffix.lower() in (".jpg", ".jpeg"):
+        raise UsageError(f"cannot write {path}: found {size[0]} × {size[1]} pixels, expected at most {JPEG_MAX_SIZE} each way in a JPEG")
     check_writable(path)
 
 
 def write(image: Image, path: str | os.PathLike[str], exposure: float, tonemap: str) -> None:
     """``Image.save``."""
+    check_output(path, (image.width, image.height))
     writer = _writer(path)
-    check_writable(path)
     with replacing(path) as temporary:
         writer(image, temporary, exposure, tonemap)
 

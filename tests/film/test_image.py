@@ -137,6 +137,13 @@ def test_an_output_that_cannot_be_is_refused_beforehand(tmp_path: Path, name: st
     assert [p.name for p in tmp_path.iterdir()] == ["folder.png"]
 
 
+def test_a_jpeg_that_is_too_large_is_refused_beforehand(tmp_path: Path) -> None:
+    check_output(tmp_path / "a.jpg", (65500, 2))
+    check_output(tmp_path / "a.png", (65536, 2))
+    with pytest.raises(UsageError, match=r"found 65536 × 2 pixels, expected at most 65500"):
+        check_output(tmp_path / "a.jpg", (65536, 2))
+
+
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="needs a folder that takes no file even from root")
 def test_a_folder_that_takes_no_file_is_refused_beforehand() -> None:
     with pytest.raises(UsageError, match=r"cannot write /proc/self/a\.png: its folder takes no new file"):
