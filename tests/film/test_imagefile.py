@@ -133,8 +133,8 @@ def png(width: int, height: int, rows: bytes = b"") -> bytes:
 
 
 @pytest.mark.parametrize(("width", "height", "message"), [
-    (30_000, 30_000, "found a picture of 30000 × 30000, expected at most 268,435,456 texels"),
-    (100_000, 100_000, "found"),
+    (30_000, 30_000, "found no picture that can be read"),
+    (100_000, 100_000, "found no picture that can be read"),
     (4000, 4000, "found a damaged picture"),
     (2**31 - 1, 1, "found"),
 ])
@@ -143,6 +143,14 @@ def test_a_file_that_lies_about_its_size_is_one_line(tmp_path: Path, width: int,
     with pytest.raises(SceneError, match=message) as raised:
         read_image(tmp_path / "a.png")
     assert "\n" not in str(raised.value)
+
+
+def test_an_absurd_size_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    path = store(tmp_path / "a.exr", noise(3, np.float32), full_x=0, full_y=0, full_width=30_000, full_height=30_000)
+    with pytest.raises(SceneError, match=r"a\.exr: found a picture of 30000 × 30000, expected at most 268,435,456 texels"):
+        read_image(path)
+    with pytest.raises(SceneError, match="picture: found a picture of 30000 × 30000"):
+        as_pixels(np.broadcast_to(np.uint8(0), (30_000, 30_000, 3)), "picture")
 
 
 @pytest.mark.parametrize("content", [b"", b"\x89PNG", b"plain text", bytes(1000)])
