@@ -52,7 +52,7 @@ def render(scene: Scene | str | Path | dict[str, Any], *, spp: int | None = None
     loaded = _with_options(loaded, options)
     if time_limit is not None and not time_limit > 0.0:
         raise UsageError(f"time_limit: found {time_limit}, expected seconds above 0")
-    from lumiere.render import Render
+    from lumiere.rendering import Render
 
     job = Render(loaded, device, load_seconds=time.perf_counter() - begin)
     job.run(time_limit=time_limit, progress=progress, stop=stop)

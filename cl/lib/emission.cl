@@ -1,12 +1,12 @@
 // What surfaces emit.
 
 #include "lib/surface.cl"
-#ifdef TEXTURED_EMISSION
-#include "lib/textures.cl"
-#endif
+#include "lib/math.cl"
+#include "scene/emission.cl"
 
+#ifdef EMISSION
 // Radiance that a surface with the given emission sends in direction w (away from it).
-inline float3 emitted_radiance(const scene_t *scene, int emission, const surface_t *surface, float3 w)
+static inline float3 emitted_radiance(const scene_t *scene, int emission, const surface_t *surface, float3 w)
 {
     if (emission < 0)
         return (float3)(0.0f);
@@ -20,3 +20,4 @@ inline float3 emitted_radiance(const scene_t *scene, int emission, const surface
 #endif
     return radiance;
 }
+#endif

@@ -7,7 +7,7 @@
 #include "scene/lights.cl"
 
 // A light by `select`, then a direction or point of it by `u`; the pdf includes the choice.
-inline light_sample_t light_sample(const scene_t *scene, float3 reference, uint select, uint2 u)
+static inline light_sample_t light_sample(const scene_t *scene, float3 reference, uint select, uint2 u)
 {
     discrete_t chosen = discrete_sample(scene->light_cdf, scene->render->light_count, select);
     light_sample_t s = light_sample_new(reference, (float3)(0.0f), 0.0f, 0, 0);
@@ -24,7 +24,7 @@ inline light_sample_t light_sample(const scene_t *scene, float3 reference, uint 
 }
 
 // Weight of a technique against one other, of densities pdf and other (power heuristic with exponent 2, Veach 1997, eq. 9.11).
-inline float mis_weight(float pdf, float other)
+static inline float mis_weight(float pdf, float other)
 {
     float ratio = other / pdf;
     return 1.0f / (1.0f + ratio * ratio);
@@ -32,7 +32,7 @@ inline float mis_weight(float pdf, float other)
 
 // Weight of light met by a ray whose direction was drawn with density bsdf_pdf (0: by a camera or a specular lobe, which light sampling cannot do),
 // where light sampling would have had density light_pdf.
-inline float met_light_weight(float bsdf_pdf, float light_pdf)
+static inline float met_light_weight(float bsdf_pdf, float light_pdf)
 {
 #if defined(LIGHT_SAMPLING_LIGHT)
     return bsdf_pdf > 0.0f && light_pdf > 0.0f ? 0.0f : 1.0f;
@@ -44,7 +44,7 @@ inline float met_light_weight(float bsdf_pdf, float light_pdf)
 }
 
 // Weight of a sampled light, of density light_pdf, where sampling the BSDF would have had bsdf_pdf.
-inline float sampled_light_weight(const light_sample_t *light, float bsdf_pdf)
+static inline float sampled_light_weight(const light_sample_t *light, float bsdf_pdf)
 {
     if (light->delta)
         return 1.0f;

@@ -8,7 +8,7 @@
 #define NO_QUEUE 0xffffffffu
 
 // The next numbers of a counter, one for each work-item that wants one, with one atomic per work-group. All work-items call it.
-inline uint counter_take(global uint *counter, bool wants, local uint *scratch)
+static inline uint counter_take(global uint *counter, bool wants, local uint *scratch)
 {
     if (get_local_id(0) == 0)
         scratch[0] = 0u;
@@ -27,13 +27,13 @@ inline uint counter_take(global uint *counter, bool wants, local uint *scratch)
 
 #ifdef QUEUES_COMPACTED
 
-inline uint queue_take(const queues_t *queues, uint queue)
+static inline uint queue_take(const queues_t *queues, uint queue)
 {
     uint i = (uint)get_global_id(0);
     return i < queues->counters[queue] ? queues->slots[(size_t)queue * queues->capacity + i] : NO_SLOT;
 }
 
-inline void queue_push(const queues_t *queues, uint queue, uint slot, local uint *scratch)
+static inline void queue_push(const queues_t *queues, uint queue, uint slot, local uint *scratch)
 {
     for (uint q = (uint)get_local_id(0); q < QUEUE_COUNT; q += (uint)get_local_size(0))
         scratch[q] = 0u;
@@ -51,37 +51,37 @@ inline void queue_push(const queues_t *queues, uint queue, uint slot, local uint
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-inline void queue_push_connect(const queues_t *queues, bool wants, uint slot, local uint *scratch)
+static inline void queue_push_connect(const queues_t *queues, bool wants, uint slot, local uint *scratch)
 {
     queue_push(queues, wants ? QUEUE_CONNECT : NO_QUEUE, slot, scratch);
 }
 
-inline uint queue_take_connect(const queues_t *queues)
+static inline uint queue_take_connect(const queues_t *queues)
 {
     return queue_take(queues, QUEUE_CONNECT);
 }
 
 #else
 
-inline uint queue_take(const queues_t *queues, uint queue)
+static inline uint queue_take(const queues_t *queues, uint queue)
 {
     uint slot = (uint)get_global_id(0);
     return slot < queues->capacity && queues->tags[slot] == queue ? slot : NO_SLOT;
 }
 
-inline void queue_push(const queues_t *queues, uint queue, uint slot, local uint *scratch)
+static inline void queue_push(const queues_t *queues, uint queue, uint slot, local uint *scratch)
 {
     if (queue != NO_QUEUE)
         queues->tags[slot] = queue;
 }
 
-inline void queue_push_connect(const queues_t *queues, bool wants, uint slot, local uint *scratch)
+static inline void queue_push_connect(const queues_t *queues, bool wants, uint slot, local uint *scratch)
 {
     if (wants)
         queues->connects[slot] = 1u;
 }
 
-inline uint queue_take_connect(const queues_t *queues)
+static inline uint queue_take_connect(const queues_t *queues)
 {
     uint slot = (uint)get_global_id(0);
     return slot < queues->capacity && queues->connects[slot] != 0u ? slot : NO_SLOT;

@@ -9,7 +9,7 @@ typedef struct {
     uint strata_x;
     uint strata_y;
 #endif
-} sampler_t;
+} sequence_t;
 
 #include "scene/sampler.cl"
 
@@ -25,7 +25,7 @@ typedef struct {
 #define DIMENSION_ROULETTE 4u
 #define DIMENSION_OPACITY 5u
 
-inline uint vertex_dimension(uint depth, uint which)
+static inline uint vertex_dimension(uint depth, uint which)
 {
     return DIMENSION_VERTEX + depth * DIMENSIONS_A_VERTEX + which;
 }
@@ -37,7 +37,7 @@ typedef struct {
     uint index;  // of the sample
 } film_sample_t;
 
-inline film_sample_t film_sample(const scene_t *scene, uint sample)
+static inline film_sample_t film_sample(const scene_t *scene, uint sample)
 {
     global const render_t *render = scene->render;
     uint ordinal = scene->batch->first_pixel + sample / scene->batch->samples_a_pixel;
@@ -55,10 +55,10 @@ inline film_sample_t film_sample(const scene_t *scene, uint sample)
     return s;
 }
 
-inline sampler_t sampler_of(const scene_t *scene, uint sample)
+static inline sequence_t sampler_of(const scene_t *scene, uint sample)
 {
     film_sample_t at = film_sample(scene, sample);
-    sampler_t sampler;
+    sequence_t sampler;
     sampler.seed = hash_combine(hash_combine(scene->render->seed, at.x), at.y);
     sampler.index = at.index;
 #ifdef SAMPLER_STRATA

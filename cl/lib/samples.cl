@@ -1,6 +1,6 @@
 // The sample buffer: what each sample of the batch has gathered, one array a channel.
 
-inline void sample_add(const samples_t *samples, uint channel, uint sample, float3 value)
+static inline void sample_add(const samples_t *samples, uint channel, uint sample, float3 value)
 {
     global float *p = samples->values + (size_t)channel * samples->stride + sample;
     p[0] += value.x;
@@ -8,13 +8,13 @@ inline void sample_add(const samples_t *samples, uint channel, uint sample, floa
     p[2 * (size_t)samples->stride] += value.z;
 }
 
-inline void sample_set(const samples_t *samples, uint channel, uint sample, float value)
+static inline void sample_set(const samples_t *samples, uint channel, uint sample, float value)
 {
     samples->values[(size_t)channel * samples->stride + sample] = value;
 }
 
 // Radiance that reaches the film after `depth` scattering events.
-inline void sample_add_radiance(const scene_t *scene, const samples_t *samples, uint sample, uint depth, float3 radiance)
+static inline void sample_add_radiance(const scene_t *scene, const samples_t *samples, uint sample, uint depth, float3 radiance)
 {
 #ifdef CLAMP_INDIRECT
     if (depth > 1u)

@@ -4,7 +4,7 @@
 #include "lib/surface.cl"
 #include "scene/shapes.cl"
 
-inline bool trace_nearest(const scene_t *scene, const ray_t *ray, hit_t *hit)
+static inline bool trace_nearest(const scene_t *scene, const ray_t *ray, hit_t *hit)
 {
     hit->t = ray->t_max;
     bool found = false;
@@ -13,16 +13,16 @@ inline bool trace_nearest(const scene_t *scene, const ray_t *ray, hit_t *hit)
     return found;
 }
 
-inline bool trace_any(const scene_t *scene, const ray_t *ray)
+static inline bool trace_occluded(const scene_t *scene, const ray_t *ray)
 {
-#define ANY_OF(NAME) \
-    if (NAME##_any(scene, ray)) \
+#define OCCLUDED_BY(NAME) \
+    if (NAME##_occluded(scene, ray)) \
         return true;
-    FOR_EACH_SHAPE(ANY_OF)
+    FOR_EACH_SHAPE(OCCLUDED_BY)
     return false;
 }
 
-inline surface_t surface_at(const scene_t *scene, const ray_t *ray, const hit_t *hit)
+static inline surface_t surface_at(const scene_t *scene, const ray_t *ray, const hit_t *hit)
 {
 #define SURFACE_OF(NAME) \
     if (hit->primitive - scene->render->NAME##_first < scene->render->NAME##_count) \

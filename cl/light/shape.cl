@@ -4,7 +4,7 @@
 #include "lib/offset.cl"
 #include "lib/shapes.cl"
 
-inline light_sample_t emitter_sample(const scene_t *scene, uint emitter, float3 reference, uint2 u)
+static inline light_sample_t emitter_sample(const scene_t *scene, uint emitter, float3 reference, uint2 u)
 {
     uint primitive = scene->emitters[emitter];
     float2 at = (float2)(unit_float(u.x), unit_float(u.y));
@@ -23,7 +23,7 @@ inline light_sample_t emitter_sample(const scene_t *scene, uint emitter, float3 
 }
 
 // Density over solid angle at `reference` with which the point of `primitive` is chosen by its shape's sampling.
-inline float emitter_pdf(const scene_t *scene, uint primitive, float3 reference, const surface_t *surface)
+static inline float emitter_pdf(const scene_t *scene, uint primitive, float3 reference, const surface_t *surface)
 {
 #define PDF_OF(NAME) \
     if (primitive - scene->render->NAME##_first < scene->render->NAME##_count) \
@@ -33,7 +33,7 @@ inline float emitter_pdf(const scene_t *scene, uint primitive, float3 reference,
 }
 
 // The place of `primitive` among the emitters, or the number of emitters where it is none of them.
-inline uint emitter_of(const scene_t *scene, uint primitive)
+static inline uint emitter_of(const scene_t *scene, uint primitive)
 {
     uint low = 0u, high = scene->render->emitter_count;
     while (low < high) {

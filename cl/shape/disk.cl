@@ -3,6 +3,7 @@
 #include "lib/math.cl"
 #include "lib/ray.cl"
 #include "lib/surface.cl"
+#include "lib/warp.cl"
 
 typedef struct {
     int unused;

@@ -44,13 +44,13 @@ static inline bool sphere_intersect(const scene_t *scene, uint index, const ray_
     return true;
 }
 
-// The point `local` from the centre, brought back onto the sphere.
-static inline surface_t sphere_point(global const sphere_record_t *sphere, float3 local)
+// The point `offset` from the centre, brought back onto the sphere.
+static inline surface_t sphere_point(global const sphere_record_t *sphere, float3 offset)
 {
-    float3 normal = normalize(local);
-    local = sphere->radius * normal;
-    float3 p = load3(sphere->center) + local;
-    surface_t s = surface_new(p, GAMMA(5) * fabs(local) + GAMMA(1) * fabs(p), normal);
+    float3 normal = normalize(offset);
+    offset = sphere->radius * normal;
+    float3 p = load3(sphere->center) + offset;
+    surface_t s = surface_new(p, GAMMA(5) * fabs(offset) + GAMMA(1) * fabs(p), normal);
 #ifdef SURFACE_UV
     float3 n = rotate3(&sphere->to_local[0], normal);
     s.uv = (float2)(0.5f + atan2(n.x, n.z) * INV_TWO_PI, 1.0f - acos(clamp(n.y, -1.0f, 1.0f)) * INV_PI);

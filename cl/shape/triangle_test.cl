@@ -53,14 +53,24 @@ static inline float triangle_largest(float3 v)
     return fmax(v.x, fmax(v.y, v.z));
 }
 
-// Along (v1 − v0) × (v2 − v0), of the order of 1 but not unit; 0 where the vertices lie on a line.
-static inline float3 triangle_normal(float3 v0, float3 v1, float3 v2)
+typedef struct {
+    float3 normal;  // along (v1 − v0) × (v2 − v0), of the order of 1 but not unit; 0 where the vertices lie on a line
+    float3 terms;   // the sum of the absolute terms of each coordinate of it, to which its rounding errors are relative
+} triangle_plane_t;
+
+static inline triangle_plane_t triangle_plane(float3 v0, float3 v1, float3 v2)
 {
     float3 e1 = v1 - v0, e2 = v2 - v0;
     e1 *= triangle_unit_scale(triangle_largest(e1));
     e2 *= triangle_unit_scale(triangle_largest(e2));
     float3 n = (float3)(triangle_edge(e1.y, e2.z, e1.z, e2.y), triangle_edge(e1.z, e2.x, e1.x, e2.z), triangle_edge(e1.x, e2.y, e1.y, e2.x));
-    return n * triangle_unit_scale(triangle_largest(n));
+    float scale = triangle_unit_scale(triangle_largest(n));
+    e1 = fabs(e1);
+    e2 = fabs(e2);
+    triangle_plane_t plane;
+    plane.normal = n * scale;
+    plane.terms = (e1.yzx * e2.zxy + e1.zxy * e2.yzx) * scale;
+    return plane;
 }
 
 // Of the barycentrics of a, b and c at the origin of xy, times a common factor (eq. 1 of the paper).
@@ -102,13 +112,20 @@ static inline bool triangle_intersect(const scene_t *scene, uint index, const ra
         if (triangle_is_outside(edges) || !(fabs(determinant) > 0.0f))
             return false;
     }
-    float3 barycentrics = edges / determinant;
-    float t = (barycentrics.x * a.z + barycentrics.y * b.z + barycentrics.z * c.z) * prepared->shear.z;
+    triangle_plane_t plane = triangle_plane(v0, v1, v2);
+    // Triangles on a line, which the rounding of the shear may have given an area.
+    if (all(plane.normal == (float3)(0.0f)))
+        return false;
+    // An origin whose height over the plane may be rounding lies in it: a ray does not meet the surface that it leaves (PBR 4ed, §6.8.6).
+    // The roundings: of v0 − o, of the edges (2), of their products and difference (2), of the product and the sums here (3).
+    float3 to_v0 = v0 - prepared->o;
+    float height = dot(to_v0, plane.normal);
+    if (!(fabs(height) > 8.0f * 0x1p-24f * dot(fabs(to_v0), plane.terms)))
+        return false;
+    float t = height / dot((float3)(prepared->shear.xy, 1.0f), plane.normal) * prepared->shear.z;
     if (!(t > 0.0f && t < t_max))
         return false;
-    // Triangles on a line, which the rounding of the shear may have given an area.
-    if (all(triangle_normal(v0, v1, v2) == (float3)(0.0f)))
-        return false;
+    float3 barycentrics = edges / determinant;
     hit->t = t;
     hit->u = barycentrics.y;
     hit->v = barycentrics.z;

@@ -20,6 +20,6 @@ kernel WORK_GROUP void connect(STAGE_PARAMETERS)
 #ifdef VISIBILITY
     scene.ray_mask = OBJECT_VISIBLE_TO_SHADOW;
 #endif
-    if (!trace_any(&scene, &ray))
+    if (!trace_occluded(&scene, &ray))
         sample_add_radiance(&scene, &samples, path_get_sample(&path, slot), path_get_depth(&path, slot), path_get_contribution(&path, slot));
 }

@@ -4,8 +4,10 @@
 // To:   extend.
 // Also empties the queues that the last round's stages have read, and counts that round's shadow rays.
 
+#include "lib/math.cl"
 #include "lib/path.cl"
 #include "lib/queue.cl"
+#include "lib/samples.cl"
 #include "lib/sampler.cl"
 #include "scene/camera.cl"
 #ifdef FILTER_TABLE
@@ -25,7 +27,7 @@ static inline void start_path(const scene_t *scene, const path_t *path, const sa
     for (uint channel = 0u; channel < CHANNEL_COUNT; ++channel)
         sample_set(samples, channel, sample, 0.0f);
     film_sample_t at = film_sample(scene, sample);
-    sampler_t sampler = sampler_of(scene, sample);
+    sequence_t sampler = sampler_of(scene, sample);
     uint2 u = sample_2d(&sampler, DIMENSION_FILM);
     float2 offset = (float2)(unit_float(u.x), unit_float(u.y));
     float weight = 1.0f;
@@ -64,11 +66,11 @@ static inline void start_path(const scene_t *scene, const path_t *path, const sa
 #endif
 }
 
+#ifdef QUEUES_COMPACTED
+
 kernel WORK_GROUP void generate(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
-    uint idle = QUEUE_IDLE_0 + parity, extend = QUEUE_EXTEND_0 + parity;
-#ifdef QUEUES_COMPACTED
     if (get_global_id(0) == 0) {
         counters[COUNTER_SHADOW_RAYS] += counters[QUEUE_CONNECT];
         for (uint q = QUEUE_CONNECT; q < QUEUE_COUNT; ++q)
@@ -76,28 +78,53 @@ kernel WORK_GROUP void generate(STAGE_PARAMETERS)
         counters[QUEUE_IDLE_0 + (1u - parity)] = 0u;
         counters[QUEUE_EXTEND_0 + (1u - parity)] = 0u;
     }
-    uint slot = queue_take(&queues, idle);
-#else
-    // Tags do not tell the parity: a slot is idle or it is not.
-    uint slot = queue_take(&queues, QUEUE_IDLE_0);
-    uint mine = (uint)get_global_id(0);
-    bool connected = mine < queues.capacity && queues.connects[mine] != 0u;
-    if (connected)
-        queues.connects[mine] = 0u;
-    counter_take(counters + COUNTER_SHADOW_RAYS, connected, scratch);
-    if (mine == 0)
-        counters[QUEUE_EXTEND_0 + (1u - parity)] = 0u;
-#endif
+    uint slot = queue_take(&queues, QUEUE_IDLE_0 + parity);
     uint sample = counter_take(counters + COUNTER_NEXT_SAMPLE, slot != NO_SLOT, scratch);
     bool started = slot != NO_SLOT && sample < scene.batch->sample_count;
     if (started)
         start_path(&scene, &path, &samples, sample, slot);
-#ifdef QUEUES_COMPACTED
-    queue_push(&queues, started ? extend : NO_QUEUE, slot, scratch);
-#else
-    if (started)
-        queues.tags[slot] = QUEUE_EXTEND_0;
-    bool live = mine < queues.capacity && queues.tags[mine] == QUEUE_EXTEND_0;
-    counter_take(counters + extend, live, scratch);
-#endif
+    queue_push(&queues, started ? QUEUE_EXTEND_0 + parity : NO_QUEUE, slot, scratch);
 }
+
+#else
+
+// One census of the group's slots: the idle ones get samples, those that live and those that traced a shadow ray are counted.
+kernel WORK_GROUP void generate(STAGE_PARAMETERS)
+{
+    STAGE_BEGIN
+    local uint *idle = scratch, *live = scratch + 1, *connected = scratch + 2;
+    uint slot = (uint)get_global_id(0);
+    if (slot == 0)
+        counters[QUEUE_EXTEND_0 + (1u - parity)] = 0u;
+    if (get_local_id(0) == 0)
+        *idle = *live = *connected = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    bool wants = queues.tags[slot] == QUEUE_IDLE_0;
+    uint rank = 0u;
+    if (wants)
+        rank = atomic_inc(idle);
+    else
+        atomic_inc(live);
+    if (queues.connects[slot] != 0u) {
+        queues.connects[slot] = 0u;
+        atomic_inc(connected);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0) {
+        uint first = *idle > 0u ? atomic_add(counters + COUNTER_NEXT_SAMPLE, *idle) : 0u;
+        uint started = first < scene.batch->sample_count ? min(*idle, scene.batch->sample_count - first) : 0u;
+        if (*live + started > 0u)
+            atomic_add(counters + QUEUE_EXTEND_0 + parity, *live + started);
+        if (*connected > 0u)
+            atomic_add(counters + COUNTER_SHADOW_RAYS, *connected);
+        *idle = first;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    uint sample = *idle + rank;
+    if (wants && sample < scene.batch->sample_count) {
+        start_path(&scene, &path, &samples, sample, slot);
+        queues.tags[slot] = QUEUE_EXTEND_0;
+    }
+}
+
+#endif

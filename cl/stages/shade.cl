@@ -14,6 +14,9 @@
 #include "lib/shapes.cl"
 #include "scene/bsdf.cl"
 
+// Where a shadow ray to a point ends, short of the light's own surface (PBR 4ed, §6.8.6): a blocker nearer to it than 1e-4 of the way is missed.
+#define SHADOW_END 0.9999f
+
 // Where the path stands: what it met, and the frame in which the BSDF works.
 typedef struct {
     surface_t surface;
@@ -21,7 +24,7 @@ typedef struct {
     float3 wo;        // local, towards where the path came from
     uint sample;
     uint depth;       // scattering events before this one
-    sampler_t sampler;
+    sequence_t sampler;
 } vertex_t;
 
 // Emission met by the path, weighed against light sampling.
@@ -127,7 +130,7 @@ static inline bool sample_light(const scene_t *scene, const path_t *path, uint s
     float3 origin = offset_origin(vertex->surface.p, vertex->surface.error, vertex->surface.ng, to_light);
     path_set_shadow_origin(path, slot, origin);
     path_set_shadow_direction(path, slot, light.infinite ? to_light : light.target - origin);
-    path_set_shadow_t_max(path, slot, light.infinite ? INFINITY : 1.0f);
+    path_set_shadow_t_max(path, slot, light.infinite ? INFINITY : SHADOW_END);
     path_set_contribution(path, slot, contribution);
     return true;
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,6 +18,7 @@ from lumiere.compile.geometry import Object, ShapeGroup, Vertices, group_shapes
 from lumiere.compile.lights import LightTable, light_table, mean_emission
 from lumiere.compile.materials import NO_TEXTURE, MaterialTable
 from lumiere.compile.textures import TextureTable
+from lumiere.errors import SceneError
 from lumiere.device.source import c_struct
 from lumiere.light import Light
 from lumiere.light.environment import EnvironmentLight
@@ -70,7 +72,9 @@ def compile_scene(scene: Scene) -> SceneBuffers:
     uses_uv = uses_uv or tangent
     has_normals = any(o.primitives.normals is not None for o in objects)
     keep = (("normals",) if has_normals else ()) + (("uvs",) if uses_uv else ()) + (("colors",) if "color" in textures.uses else ())
+    begin = time.perf_counter()
     groups, vertices = group_shapes(objects, keep)
+    accelerator_seconds = time.perf_counter() - begin
     center, radius = scene_bounds(groups)
     table = light_table(lights, objects, groups, radius)
     camera = scene.camera or _framing_camera(center, radius)
@@ -78,6 +82,7 @@ def compile_scene(scene: Scene) -> SceneBuffers:
     features = _features(scene, objects, groups, vertices, materials, table, camera, emissive=emissive and len(emissions) > 0,
                          uses_uv=uses_uv, tangent=tangent, textured_emission=any(isinstance(o.emission, Texture) for o in objects))
     buffers = SceneBuffers(features, bsdf_parameters={kind: materials.parameters[kind] for kind in sorted(materials.members)})
+    buffers.seconds["accelerator"] = accelerator_seconds
     for o in objects:
         for reason, count in o.primitives.dropped.items():
             buffers.dropped[reason] = buffers.dropped.get(reason, 0) + count
@@ -112,6 +117,8 @@ def _lower(scene: Scene) -> tuple[list[Object], list[Light]]:
             lights.append(light)
         else:
             shapes.append(shape)
+    if sum(light.device_kind == "environment_image" for light in lights) > 1:
+        raise SceneError(f"{scene.path or 'scene'}: found several environments with a file, expected at most one")
     default = Lambert()
     occlusion = Lambert(albedo=(1.0, 1.0, 1.0)) if scene.integrator.type == "ambient_occlusion" else None
     objects = []

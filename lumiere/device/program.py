@@ -32,6 +32,7 @@ class Build:
     program: Any
     reason: str
     seconds: float
+    keep_at: Path | None = None
 
 
 def cache_folder() -> Path:
@@ -88,13 +89,22 @@ def build(source: ProgramSource, context: Any, device: Any) -> Build:
         program.build(options=list(source.options), devices=[device], cache_dir=False)
     except cl.Error as error:
         raise _failure(source, device, str(error)) from None
-    binaries = program.get_info(cl.program_info.BINARIES)
+    return Build(source.name, program, reason, time.perf_counter() - begin, path)
+
+
+def _keep(built: Build) -> None:
+    """Keeps the binary of a program that was built anew."""
+    import pyopencl as cl
+
+    binaries = built.program.get_info(cl.program_info.BINARIES) if built.keep_at else []
     if binaries and binaries[0]:
-        _store(path, binaries[0])
-    return Build(source.name, program, reason, time.perf_counter() - begin)
+        _store(built.keep_at, binaries[0])
 
 
 def build_all(sources: Sequence[ProgramSource], context: Any, device: Any) -> list[Build]:
     """Builds several programs side by side."""
     with ThreadPoolExecutor(max_workers=max(1, min(len(sources), os.cpu_count() or 1))) as pool:
-        return list(pool.map(lambda source: build(source, context, device), sources))
+        builds = list(pool.map(lambda source: build(source, context, device), sources))
+    for built in builds:
+        _keep(built)  # one after the other: PoCL 3 crashes where binaries are read while another program builds
+    return builds

@@ -110,6 +110,7 @@ def generated_sources(buffers: SceneBuffers, policy: Policy) -> dict[str, str]:
         "lib/path.cl": path_source(features),
         "scene/shapes.cl": _shapes(features),
         "scene/lights.cl": lights,
+        "scene/emission.cl": '#include "lib/textures.cl"\n' if features.textured_emission else "",
         "scene/textures.cl": "".join(f'#include "texture/{kind}.cl"\n' for kind in features.textures)
         + _for_each("TEXTURE", features.textures, numbered=True),
         "scene/camera.cl": f'#include "camera/{features.camera}.cl"\n',

@@ -16,7 +16,7 @@ from lumiere.compile.scene import compile_scene
 from lumiere.film.image import Image
 from lumiere.film.progress import Progress
 from lumiere.scene.model import Scene
-from lumiere.wavefront.batch import Batch, passes
+from lumiere.wavefront.batch import Batch, passes, pixel_order
 from lumiere.wavefront.loop import Wavefront
 from lumiere.wavefront.policy import policy_for
 from lumiere.wavefront.state import words_per_path
@@ -86,13 +86,12 @@ class Render:
         features, film = self.wavefront.buffers.features, self.scene.film
         rows = self.wavefront.film(self.width, self.height)
         counts = np.zeros(self.width * self.height)
-        from lumiere.wavefront.batch import pixel_order
-
         counts[pixel_order(self.width, self.height)] = self.counts
         n = counts.reshape(self.height, self.width)
         means = rows / np.maximum(n, 1.0)
         pixels = np.moveaxis(means[:3], 0, -1).astype(np.float32)
-        variance = np.moveaxis(means[-3:], 0, -1) / np.maximum(n - 1.0, 1.0)[..., None]
+        # Deviations are summed in float32: where all samples are equal they may come out a rounding below 0.
+        variance = np.maximum(np.moveaxis(means[-3:], 0, -1), 0.0) / np.maximum(n - 1.0, 1.0)[..., None]
         variance = np.where((n > 1.0)[..., None], variance, np.inf).astype(np.float32)
         aovs = {}
         for name in film.aovs:
