@@ -76,8 +76,7 @@ def _scene(document: Node, base: Path) -> Scene:
     sections = _members(node)
     _known_keys(node, _KEYS)
     refuse_unsupported(node, "scene")
-    for key in ("materials", "textures", "media"):
-        _members(sections.get(key))
+    _members(sections.get("media"))
     reader = Reader(base, sections.get("materials"), sections.get("textures"))
 
     def settings(key: str, cls: type) -> Any:

@@ -147,7 +147,7 @@ class Node:
         rows = isinstance(data[0], (list, tuple, np.ndarray))
         offsets: Iterator[int] = repeat(0)
         if self.source is not None:
-            offsets = (match.start() for match in (_ROW if rows else _NUMBER).finditer(self.source.text, self.offset + 1))
+            offsets = (match.start() for match in (_ROW if rows else _NUMBER).finditer(self.source.text, self.offset))
         for index, offset in islice(zip(range(len(data)), offsets, strict=False), first, None):
             node = Node(self.source, offset, self, index, offset)
             value = data[index]

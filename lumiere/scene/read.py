@@ -40,6 +40,7 @@ class Reader:
         self._sections = {MATERIALS.noun: (MATERIALS, materials), TEXTURES.noun: (TEXTURES, textures)}
         self._named: dict[tuple[str, str], Any] = {}
         self._being_read: list[tuple[str, str]] = []
+        self._depth = 0
 
     def object(self, node: Node, cls: type[T], noun: str, *, ignore: tuple[str, ...] = (), name: str = "") -> T:
         """An instance of the dataclass ``cls`` from the object ``node``; ``noun`` says what it is. Keys in ``ignore`` were read already."""
@@ -82,7 +83,11 @@ class Reader:
             at = child if child is not None else node
             known = [*names, *UNSUPPORTED.get((registry.noun, "type"), ())]
             raise at.error(f"found {found(at)}, expected {one_of(names)}{did_you_mean(type_name, known)}")
+        if self._depth == MAX_DEPTH:
+            raise node.error(f"found materials or textures that lead to each other over more than {MAX_DEPTH} levels, expected fewer")
+        self._depth += 1
         instance = self.object(node, cls, registry.noun, ignore=("type",), name=name)
+        self._depth -= 1
         self.places[id(instance)] = node.place()
         return instance
 
@@ -96,8 +101,6 @@ class Reader:
         key = (noun, name)
         if key in self._being_read:
             raise user.error(f"found {quote(name)} inside itself, expected a {noun} that does not lead back to itself")
-        if len(self._being_read) >= MAX_DEPTH:
-            raise user.error(f"found {noun}s that lead to each other over more than {MAX_DEPTH} names, expected fewer")
         if key not in self._named:
             self._being_read.append(key)
             self._named[key] = self.kind(known[name], registry, name=name)

@@ -40,10 +40,6 @@ def rotation_matrix(axis: np.ndarray, angle: float) -> np.ndarray:
 
 
 def is_degenerate(matrix: np.ndarray) -> bool:
-    """Whether the linear part of the finite ``matrix`` flattens space: its smallest singular value is nothing beside its largest."""
-    linear = matrix[:3, :3]
-    largest = np.abs(linear).max()
-    if largest == 0.0:
-        return True
-    values = np.linalg.svd(linear / largest, compute_uv=False)
-    return not values[-1] > 1e-12 * values[0]
+    """Whether the linear part of the finite ``matrix`` flattens space: its smallest singular value is nothing beside its largest, or to a float32."""
+    values = np.linalg.svd(matrix[:3, :3], compute_uv=False)
+    return bool(values[-1] <= max(1e-12 * values[0], np.finfo(np.float32).tiny))

@@ -34,6 +34,7 @@ CASES = {  # text with § in front of the culprit → path, complaint (whole, or
     "materials is a list": ('{"scene": {"materials": §[{}], "textures": {"t": {"type": "constant"}}}}', "scene.materials",
                             "found a list of 1, expected an object"),
     "media is a list": ('{"scene": {"media": §[1]}}', "scene.media", "not supported yet: media"),
+    "media is an empty list": ('{"scene": {"media": §[]}}', "scene.media", "found an empty list, expected an object"),
     "repeated section": ('{"scene": {"film": {},\n §"film": {}}}', "scene.film",
                          "found a repeated key (first on line 1), expected each key once"),
     # Numbers
@@ -229,7 +230,7 @@ CASES = {  # text with § in front of the culprit → path, complaint (whole, or
                  "scene.geometry[0].transform[0].look_at", "found equal points, or an up along the line of sight, expected…"),
     "steps that overflow": ('{"scene": {"geometry": [{"type": "box", "transform": §[{"scale": 1e30}, {"scale": 1e30}]}]}}',
                             "scene.geometry[0].transform", "found steps that together flatten space or leave single precision's range, …"),
-    "steps that vanish": ('{"scene": {"geometry": [{"type": "box", "transform": §[' + '{"scale": 1e-40}, ' * 9 + "]}]}}",
+    "steps that vanish": ('{"scene": {"geometry": [{"type": "box", "transform": §[' + '{"scale": 1e-30}, ' * 9 + "]}]}}",
                           "scene.geometry[0].transform", "found steps that together flatten space or leave single precision's range, …"),
     # What objects say about themselves
     "camera looks at itself": ('{"scene": {"camera": §{"position": [1, 2, 3], "look_at": [1, 2, 3]}}}', "scene.camera", "found look_at equal to …"),

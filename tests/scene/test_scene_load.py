@@ -8,14 +8,18 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
 from lumiere.errors import SceneError
+from lumiere.scene.fields import texture
 from lumiere.scene.load import load
 from lumiere.scene.model import Film, Integrator, Sampler
+from lumiere.texture import TEXTURES, Texture
 
 ROOT = Path(__file__).parents[2]
 REFERENCES = ROOT.parent / "shared" / "refs"
@@ -87,6 +91,32 @@ def test_names_stand_for_one_object() -> None:
     assert set(scene.textures) == {"wood", "unused"}
 
 
+@pytest.fixture
+def nest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A kind of texture that takes a texture."""
+    @dataclass(kw_only=True)
+    class Nest(Texture):
+        type: ClassVar[str] = "nest"
+        of: Any = texture()
+
+    TEXTURES.kinds()
+    monkeypatch.setitem(TEXTURES._kinds, "nest", Nest)
+
+
+@pytest.mark.usefixtures("nest")
+def test_names_may_lead_to_names() -> None:
+    def chain(length: int) -> dict:
+        links = {str(i): {"type": "nest", "of": {"texture": str(i + 1)}} for i in range(length)}
+        return {"scene": {"textures": {**links, str(length): {"type": "constant"}}}}
+
+    textures = load(chain(20)).textures
+    assert textures["7"].of is textures["8"]
+    with pytest.raises(SceneError, match=r"^scene\.textures\[\"64\"\]: found materials or textures that lead to each other over more than 64 levels"):
+        load(chain(500))
+    with pytest.raises(SceneError, match=r"^scene\.textures\.b\.of\.texture: found \"a\" inside itself, expected a texture that does not lead back"):
+        load({"scene": {"textures": {"a": {"type": "nest", "of": {"texture": "b"}}, "b": {"type": "nest", "of": {"texture": "a"}}}}})
+
+
 @pytest.mark.parametrize(("written", "expected"), [
     (0.5, (0.5, 0.5, 0.5)),
     (1, (1.0, 1.0, 1.0)),
@@ -94,6 +124,7 @@ def test_names_stand_for_one_object() -> None:
     ("#ffffff", (1.0, 1.0, 1.0)),
     ("#000000", (0.0, 0.0, 0.0)),
     ("#FF8000", (1.0, 0.21586050011389926, 0.0)),  # ((128/255 + 0.055) / 1.055)^2.4
+    ("#004000", (0.0, 0.05126945837404324, 0.0)),
     ("#0a0000", (10 / 255 / 12.92, 0.0, 0.0)),
 ])
 def test_spectra(written: object, expected: tuple) -> None:
@@ -112,6 +143,11 @@ def test_arrays(vertices: object) -> None:
     mesh = load({"scene": {"geometry": [{"type": "mesh", "vertices": vertices, "faces": np.array([0, 1, 2], dtype=np.uint32)}]}}).geometry[0]
     np.testing.assert_array_equal(mesh.vertices, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]])
     assert (mesh.vertices.dtype, mesh.faces.dtype, mesh.faces.shape) == (np.float64, np.int64, (1, 3))
+
+
+def test_integers_beyond_64_bits_are_still_floats() -> None:
+    mesh = load({"scene": {"geometry": [{"type": "mesh", "vertices": [10**25, -(10**25), 0], "faces": [0, 0, 0]}]}}).geometry[0]
+    np.testing.assert_array_equal(mesh.vertices, [[1e25, -1e25, 0.0]])
 
 
 def test_arrays_in_a_file(tmp_path: Path) -> None:

@@ -131,6 +131,7 @@ def test_lists_of_numbers_are_read_at_once() -> None:
     flat, rows = node.value["flat"], node.value["rows"]
     assert flat.value == Numbers([1, 2.5, -300.0])
     assert rows.value == Numbers([[1, 2], [3, 4]])
+    assert from_python({"rows": ((1, 2), [3, 4])}).value["rows"].value == Numbers(((1, 2), [3, 4]))
     assert flat.item(2).place() == "s.json:1:19: flat[2]"
     assert rows.item(1).item(1).place() == "s.json:3:6: rows[1][1]"
 

@@ -69,6 +69,7 @@ def test_look_at_is_rigid(origin: np.ndarray, direction: np.ndarray, up: np.ndar
 
 @pytest.mark.parametrize(("linear", "degenerate"), [
     (np.eye(3), False),
+    (np.diag([1e-39, 1e-39, 1e-39]), True),
     (np.diag([1e-30, 1e-30, 1e-30]), False),
     (np.diag([1e30, 1e30, 1e30]), False),
     (np.diag([1e-9, 1.0, 1.0]), False),
