@@ -85,13 +85,16 @@ def choose(wanted: str | int | None = None) -> Any:
     ``wanted`` is an index of ``list_devices``, or part of a device's, platform's or driver's name in any case; None stands for the
     environment variable ``LUMIERE_DEVICE``, or without it for the best GPU, else the best CPU. Raises DeviceError where there is none.
     """
-    if wanted is None:
-        wanted = os.environ.get(DEVICE_VARIABLE, "").strip() or None
-    chosen = pick(list_devices(), wanted)
+    chosen = pick(list_devices(), wanted_device() if wanted is None else wanted)
     complaint = missing_linker(chosen)
     if complaint:
         raise DeviceError(complaint)
     return chosen.device
+
+
+def wanted_device() -> str | None:
+    """What the environment variable ``LUMIERE_DEVICE`` asks for, or None."""
+    return os.environ.get(DEVICE_VARIABLE, "").strip() or None
 
 
 def pick(listed: list[DeviceInfo], wanted: str | int | None) -> DeviceInfo:

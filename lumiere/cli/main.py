@@ -1,0 +1,59 @@
+"""The ``lumiere`` command."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+import lumiere
+from lumiere.cli import devices, render, validate
+from lumiere.errors import LumiereError, UsageError
+
+COMMANDS = (render, devices, validate)
+"""One module a subcommand: ``add`` declares its arguments, ``run`` carries it out and returns the exit status."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, like everything else here."""
+
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(f"{message}; see `{self.prog} --help`")
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line's grammar."""
+    top = _Parser(prog="lumiere", description="Renders scenes by path tracing on any OpenCL device.", allow_abbrev=False)
+    top.add_argument("--version", action="version", version=f"lumiere {lumiere.__version__}")
+    subcommands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for command in COMMANDS:
+        command.add(subcommands)
+    return top
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command with ``arguments`` (default: the process's) and returns its exit status.
+
+    What is wrong with the input, the machine or the output is one line on standard error; a defect of the program keeps its traceback.
+    """
+    handler = logging.StreamHandler()
+    handler.setFormatter(logging.Formatter("lumiere: %(message)s"))
+    logger = logging.getLogger("lumiere")
+    logger.addHandler(handler)
+    try:
+        options = parser().parse_args(arguments)
+        return options.run(options)
+    except LumiereError as error:
+        sys.stderr.write(f"lumiere: {error}\n")
+        return error.exit_status
+    except KeyboardInterrupt:
+        sys.stderr.write("lumiere: interrupted; nothing written\n")
+        return render.INTERRUPTED
+    except BrokenPipeError:  # whoever read the output has gone, so nobody is left to tell
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    finally:
+        logger.removeHandler(handler)
