@@ -277,7 +277,7 @@ def test_a_terminal_gets_one_line_that_is_redrawn(monkeypatch: pytest.MonkeyPatc
     assert "\n" not in stream.text[:-1] and 30 < len(states) <= 40
     assert all(len(state) < 60 for state in states)
     assert states[-1].rstrip() == f"[{'#' * 36}] 100 %, 25 samples/s"
-    assert states[0].startswith("[#") and states[0].endswith("3 %, 25 samples/s, 0:04 left")
+    assert states[10].startswith("[#####") and states[10].rstrip().endswith("%, 25 samples/s, 0:03 left")
 
 
 def test_a_narrow_terminal_is_not_overrun(monkeypatch: pytest.MonkeyPatch) -> None:
