@@ -74,15 +74,14 @@ class Reader:
             raise node.error(f"found {found(node)}, expected an object with a type")
         refuse_unsupported(node, registry.noun)
         child = node.value.get("type")
-        names = list(registry.kinds())
         if child is None and default is None:
-            raise node.error(f"found no 'type', expected {one_of(names)}")
+            raise node.error(f"found no 'type', expected {one_of(registry.kinds())}")
         type_name = default if child is None else child.value
         cls = registry.get(type_name) if isinstance(type_name, str) else None
         if cls is None:
             at = child if child is not None else node
-            known = [*names, *UNSUPPORTED.get((registry.noun, "type"), ())]
-            raise at.error(f"found {found(at)}, expected {one_of(names)}{did_you_mean(type_name, known)}")
+            known = [*registry.kinds(), *UNSUPPORTED.get((registry.noun, "type"), ())]
+            raise at.error(f"found {found(at)}, expected {one_of(registry.kinds())}{did_you_mean(type_name, known)}")
         if self._depth == MAX_DEPTH:
             raise node.error(f"found materials or textures that lead to each other over more than {MAX_DEPTH} levels, expected fewer")
         self._depth += 1
@@ -144,8 +143,13 @@ class Reader:
         """(4, 4) float64 from a list of steps."""
         if not node.is_list:
             raise wrong(node, field)
-        matrix = compose([self.object(child, Step, "transform") for child in node.items()])
+        children = node.items()
+        steps = [self.object(child, Step, "transform") for child in children]
+        matrix = compose(steps)
         if not np.all(np.abs(matrix) <= values.LARGEST) or is_degenerate(matrix):
+            for child, step in zip(children, steps, strict=True):
+                if is_degenerate(step.to_matrix()):
+                    raise child.error("found a step that flattens space, expected one that can be inverted")
             raise node.error("found steps that together flatten space or leave single precision's range, expected ones that can be inverted")
         return matrix
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from lumiere.scene.fields import nested, number, vector
-from lumiere.scene.transform import is_degenerate, look_at_matrix, rotation_matrix
+from lumiere.scene.transform import look_at_matrix, rotation_matrix
 
 Vector = tuple[float, float, float]
 
@@ -67,7 +67,7 @@ class Step:
             return f"found {' and '.join(given) or 'an empty step'}, expected exactly one of: {', '.join(names)}"
         if self.matrix is not None and self.matrix[12:] != (0.0, 0.0, 0.0, 1.0):
             return f"found the last row {list(self.matrix[12:])}, expected [0, 0, 0, 1]: projections are no transforms"
-        return "found a transform that flattens space, expected one that can be inverted" if is_degenerate(self.to_matrix()) else None
+        return None
 
     def to_matrix(self) -> np.ndarray:
         """(4, 4) float64."""
