@@ -3,7 +3,7 @@
 //   SHAPE_FIRST        number of its first primitive among those of all kinds
 //   SHAPE_COUNT        number of its primitives
 //   SHAPE_BUFFER(key)  the array `key` of its encoder
-// and, where objects can be hidden from rays, VISIBLE(scene, primitive): whether a hit counts.
+// and, where a ray may pass through what it meets, SHAPE_counts (accel/counts.cl).
 
 #include "lib/ray.cl"
 
@@ -11,8 +11,8 @@
 #define SHAPE_JOIN(shape, suffix) SHAPE_JOIN_EXPANDED(shape, suffix)
 #define SHAPE_FUNCTION(suffix) SHAPE_JOIN(SHAPE, _##suffix)
 
-#ifdef VISIBLE
-#define SHAPE_ACCEPTS(index) VISIBLE(scene, (index) + SHAPE_FIRST)
+#if defined(VISIBILITY) || defined(OPACITY)
+#define SHAPE_ACCEPTS(index) SHAPE_FUNCTION(counts)(scene, index, ray, &candidate)
 #else
 #define SHAPE_ACCEPTS(index) true
 #endif

@@ -23,7 +23,6 @@ typedef struct {
 #define DIMENSION_LOBE 2u       // which lobe of the BSDF
 #define DIMENSION_BSDF 3u       // which direction
 #define DIMENSION_ROULETTE 4u
-#define DIMENSION_OPACITY 5u
 
 static inline uint vertex_dimension(uint depth, uint which)
 {
@@ -66,4 +65,11 @@ static inline sequence_t sampler_of(const scene_t *scene, uint sample)
     sampler.strata_y = scene->render->strata_y;
 #endif
     return sampler;
+}
+
+// A number for each ray of a path, from which each surface it meets takes its own random number (accel/counts.cl).
+static inline uint ray_seed(const scene_t *scene, uint sample, uint ray)
+{
+    sequence_t sequence = sampler_of(scene, sample);
+    return hash_combine(hash_combine(sequence.seed, sequence.index), ray);
 }

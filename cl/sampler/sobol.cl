@@ -42,14 +42,14 @@ static inline uint shuffled_index(uint index, uint seed)
     return reverse_bits(scramble_reversed(reverse_bits(index), seed));
 }
 
-static inline uint sample_1d(const sampler_t *sampler, uint dimension)
+static inline uint sample_1d(const sequence_t *sampler, uint dimension)
 {
     uint seed = hash_combine(sampler->seed, dimension);
     uint index = shuffled_index(sampler->index, seed);
     return reverse_bits(scramble_reversed(index, hash_uint(seed ^ 0x5bd1e995u)));
 }
 
-static inline uint2 sample_2d(const sampler_t *sampler, uint dimension)
+static inline uint2 sample_2d(const sequence_t *sampler, uint dimension)
 {
     uint seed = hash_combine(sampler->seed, dimension);
     uint index = shuffled_index(sampler->index, seed);

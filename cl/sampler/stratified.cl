@@ -42,7 +42,7 @@ static inline uint jittered(uint stratum, uint count, uint jitter)
     return (uint)(stratum * width + ((width * jitter) >> 32));
 }
 
-static inline uint sample_1d(const sampler_t *sampler, uint dimension)
+static inline uint sample_1d(const sequence_t *sampler, uint dimension)
 {
     uint count = sampler->strata_x * sampler->strata_y;
     uint round = sampler->index / count;
@@ -51,7 +51,7 @@ static inline uint sample_1d(const sampler_t *sampler, uint dimension)
     return jittered(stratum, count, hash_combine(seed, sampler->index));
 }
 
-static inline uint2 sample_2d(const sampler_t *sampler, uint dimension)
+static inline uint2 sample_2d(const sequence_t *sampler, uint dimension)
 {
     uint count = sampler->strata_x * sampler->strata_y;
     uint round = sampler->index / count;

@@ -4,6 +4,7 @@
 
 #include "lib/path.cl"
 #include "lib/queue.cl"
+#include "lib/sampler.cl"
 #include "lib/samples.cl"
 #include "lib/shapes.cl"
 
@@ -19,6 +20,9 @@ kernel WORK_GROUP void connect(STAGE_PARAMETERS)
     ray.t_max = path_get_shadow_t_max(&path, slot);
 #ifdef VISIBILITY
     scene.ray_mask = OBJECT_VISIBLE_TO_SHADOW;
+#endif
+#ifdef OPACITY
+    scene.ray_seed = ray_seed(&scene, path_get_sample(&path, slot), 2u * path_get_depth(&path, slot) + 1u);
 #endif
     if (!trace_occluded(&scene, &ray))
         sample_add_radiance(&scene, &samples, path_get_sample(&path, slot), path_get_depth(&path, slot), path_get_contribution(&path, slot));

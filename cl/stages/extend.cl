@@ -5,6 +5,7 @@
 
 #include "lib/path.cl"
 #include "lib/queue.cl"
+#include "lib/sampler.cl"
 #include "lib/shapes.cl"
 
 kernel WORK_GROUP void extend(STAGE_PARAMETERS)
@@ -28,6 +29,9 @@ kernel WORK_GROUP void extend(STAGE_PARAMETERS)
         hit_t hit;
 #ifdef VISIBILITY
         scene.ray_mask = path_get_depth(&path, slot) == 0u ? OBJECT_VISIBLE_TO_CAMERA : 0u;
+#endif
+#ifdef OPACITY
+        scene.ray_seed = ray_seed(&scene, path_get_sample(&path, slot), 2u * path_get_depth(&path, slot));
 #endif
 #ifdef CAMERA_PARTIAL
         if (path_get_depth(&path, slot) == 0u && is_black(path_get_throughput(&path, slot)))

@@ -12,6 +12,7 @@
 #include "lib/sampler.cl"
 #include "lib/samples.cl"
 #include "lib/shapes.cl"
+#include "lib/tilt.cl"
 #include "scene/bsdf.cl"
 
 // Where a shadow ray to a point ends, short of the light's own surface (PBR 4ed, §6.8.6): a blocker nearer to it than 1e-4 of the way is missed.
@@ -90,7 +91,15 @@ static inline void make_frame(const scene_t *scene, global const object_t *objec
         s->ns = -s->ns;
         behind = false;
     }
-    // A smooth normal that turns away from the viewer has no BSDF value there: the true normal stands in.
+#ifdef NORMAL_MAP
+    if (object->normal_map != NO_TEXTURE)
+        s->ns = normal_mapped(scene, object->normal_map, s);
+#endif
+#ifdef BUMP_MAP
+    if (object->bump_map != NO_TEXTURE)
+        s->ns = bump_mapped(scene, object->bump_map, object->bump_scale, s);
+#endif
+    // A shading normal that turns away from the viewer has no BSDF value there: the true normal stands in.
     if ((dot(to_viewer, s->ns) < 0.0f) != behind)
         s->ns = s->ng;
 #ifdef SURFACE_TANGENT

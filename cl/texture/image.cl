@@ -60,16 +60,17 @@ static inline float3 image_texture(const scene_t *scene, uint index, const surfa
         value = (1.0f - f.y) * ((1.0f - f.x) * image_texel(scene, image, x, y) + f.x * image_texel(scene, image, x + 1, y))
               + f.y * ((1.0f - f.x) * image_texel(scene, image, x, y + 1) + f.x * image_texel(scene, image, x + 1, y + 1));
     }
+    float3 factor = load3(image->factor);
     switch (image->channel) {
     case 0:
-        return (float3)(value.x);
+        return factor * value.x;
     case 1:
-        return (float3)(value.y);
+        return factor * value.y;
     case 2:
-        return (float3)(value.z);
+        return factor * value.z;
     case 3:
-        return (float3)(value.w);
+        return factor * value.w;
     default:
-        return value.xyz;
+        return factor * value.xyz;
     }
 }

@@ -39,6 +39,10 @@ class Features:
     filter_table: bool = False
     clamp_indirect: bool = False
     visibility: bool = False
+    opacity: bool = False
+    textured_opacity: bool = False
+    normal_map: bool = False
+    bump_map: bool = False
     triangle_corners: bool = False
     vertex_normals: bool = False
     vertex_uvs: bool = False

@@ -18,14 +18,14 @@ from lumiere.compile.geometry import Object, ShapeGroup, Vertices, group_shapes
 from lumiere.compile.lights import LightTable, light_table, mean_emission
 from lumiere.compile.materials import NO_TEXTURE, MaterialTable
 from lumiere.compile.textures import TextureTable
-from lumiere.errors import SceneError
 from lumiere.device.source import c_struct
+from lumiere.errors import SceneError
 from lumiere.light import Light
 from lumiere.light.environment import EnvironmentLight
 from lumiere.scene.model import Scene
 from lumiere.texture import Texture
 
-TWO_SIDED, VISIBLE_TO_CAMERA, VISIBLE_TO_SHADOW = 1, 2, 4
+TWO_SIDED, VISIBLE_TO_CAMERA, VISIBLE_TO_SHADOW, TRANSLUCENT = 1, 2, 4, 8
 
 
 @dataclass
@@ -66,6 +66,7 @@ def compile_scene(scene: Scene) -> SceneBuffers:
         lights = [EnvironmentLight()]
     records = {kind: materials.records(kind) for kind in materials.members}
     emissions, emission_of = _emissions(objects, textures)
+    maps = {id(o.material): _maps(o.material, textures) for o in objects}
 
     uses_uv = "uv" in textures.uses or "uv" in scene.film.aovs
     tangent = any(o.material.needs_tangent for o in objects)
@@ -89,7 +90,7 @@ def compile_scene(scene: Scene) -> SceneBuffers:
     _add_render(buffers, scene, groups, table)
     _add_camera(buffers, camera, scene.film.width, scene.film.height)
     _add_geometry(buffers, groups, vertices)
-    _add_objects(buffers, scene, objects, places, emission_of)
+    _add_objects(buffers, objects, places, emission_of, [maps[id(o.material)] for o in objects])
     for kind in sorted(records):
         buffers.add(f"{kind}_materials", f"{kind}_record_t", records[kind])
     for kind in features.textures:
@@ -179,8 +180,8 @@ def _features(scene: Scene, objects: list[Object], groups: list[ShapeGroup], ver
     mode = scene.integrator.light_sampling
     delta = any(not members[0].infinite for members in table.kinds.values())
     used = [o.material for o in objects]
-    specular = tuple(sorted({m.device_kind for m in used if m.specular}))
-    scatters = scene.integrator.max_depth > 0 and any(not m.specular for m in used)
+    specular = tuple(sorted({m.device_kind for m in used if m.purely_specular}))
+    scatters = scene.integrator.max_depth > 0 and any(not m.purely_specular for m in used)
     next_event = scatters and (delta or (table.count > 0 and mode != "bsdf"))
     colors = "color" in materials.textures.uses
     return Features(
@@ -191,6 +192,8 @@ def _features(scene: Scene, objects: list[Object], groups: list[ShapeGroup], ver
         light_sampling=mode, bsdf_pdf=len(table.emitters) > 0 or bool(infinite), eta_scale=any(m.refracts for m in used),
         camera_lens=camera.uses_lens, camera_partial=camera.type == "fisheye", filter_table=scene.film.filter.table() is not None,
         clamp_indirect=scene.integrator.clamp_indirect is not None,
+        opacity=any(_translucent(m) for m in used), textured_opacity=any(isinstance(m.opacity, Texture) for m in used),
+        normal_map=any(m.normal_map is not None for m in used), bump_map=any(m.bump_map is not None for m in used),
         visibility=any(not (o.shape.visible.camera and o.shape.visible.shadow) for o in objects),
         triangle_corners=any(group.corners is not None for group in groups),
         vertex_normals=any(o.primitives.normals is not None for o in objects),
@@ -259,26 +262,39 @@ def _add_geometry(buffers: SceneBuffers, groups: list[ShapeGroup], vertices: Ver
         buffers.add("primitive_objects", "uint", np.concatenate([group.objects for group in groups]))
 
 
-def _add_objects(buffers: SceneBuffers, scene: Scene, objects: list[Object], places: list[tuple[str, int]], emission_of: list[int]) -> None:
+def _translucent(material: Material) -> bool:
+    return isinstance(material.opacity, Texture) or material.opacity < 1.0
+
+
+def _maps(material: Material, textures: TextureTable) -> dict[str, int]:
+    """Device ids of the textures that a material carries whatever its kind."""
+    carried = {"opacity_texture": material.opacity, "normal_map": material.normal_map, "bump_map": material.bump_map}
+    return {name: textures.id(value) if isinstance(value, Texture) else NO_TEXTURE for name, value in carried.items()}
+
+
+def _add_objects(buffers: SceneBuffers, objects: list[Object], places: list[tuple[str, int]], emission_of: list[int],
+                 maps: list[dict[str, int]]) -> None:
+    """The object table, with a column for each thing that some object of the scene has."""
     features = buffers.features
     queues = list(features.bsdfs)
-    fields = ["material", "flags"]
-    fields += ["shade_queue"] if len(queues) > 1 else []
-    fields += ["material_id"] if "material_id" in features.aovs else []
-    dtype: list[Any] = [(name, "<u4") for name in fields] + ([("emission", "<i4")] if features.emission else [])
-    records = np.zeros(len(objects), dtype=np.dtype(dtype))
+    columns: list[tuple[str, str, bool]] = [
+        ("material", "<u4", True), ("flags", "<u4", True), ("shade_queue", "<u4", len(queues) > 1),
+        ("material_id", "<u4", "material_id" in features.aovs), ("emission", "<i4", features.emission), ("opacity", "<f4", features.opacity),
+        ("opacity_texture", "<u4", features.textured_opacity), ("normal_map", "<u4", features.normal_map),
+        ("bump_map", "<u4", features.bump_map), ("bump_scale", "<f4", features.bump_map)]
+    records = np.zeros(len(objects), dtype=np.dtype([(name, sort) for name, sort, present in columns if present]))
     named: dict[int, int] = {}
-    for record, o, (kind, index), emission in zip(records, objects, places, emission_of, strict=True):
-        two_sided = o.material.reflective if o.material.two_sided is None else o.material.two_sided
-        record["material"] = index
-        record["flags"] = (TWO_SIDED * bool(two_sided) | VISIBLE_TO_CAMERA * o.shape.visible.camera
-                           | VISIBLE_TO_SHADOW * o.shape.visible.shadow)
-        if "shade_queue" in fields:
-            record["shade_queue"] = queues.index(kind)
-        if "material_id" in fields:
-            record["material_id"] = named.setdefault(id(o.material), len(named))
-        if features.emission:
-            record["emission"] = emission
+    for record, o, (kind, index), emission, textures in zip(records, objects, places, emission_of, maps, strict=True):
+        material, visible = o.material, o.shape.visible
+        two_sided = material.reflective if material.two_sided is None else material.two_sided
+        values = {
+            "material": index, "shade_queue": queues.index(kind), "material_id": named.setdefault(id(material), len(named)),
+            "flags": (TWO_SIDED * bool(two_sided) | VISIBLE_TO_CAMERA * visible.camera | VISIBLE_TO_SHADOW * visible.shadow
+                      | TRANSLUCENT * _translucent(material)),
+            "emission": emission, "opacity": 1.0 if isinstance(material.opacity, Texture) else material.opacity,
+            "bump_scale": material.bump_scale, **textures}
+        for name in records.dtype.names or ():
+            record[name] = values[name]
     if len(objects):
         buffers.add("objects", "object_t", records)
 

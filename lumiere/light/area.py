@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from lumiere.bsdf.lambert import Lambert
-
 from lumiere.light import LIGHTS, Light
 from lumiere.scene.fields import Spectrum, choice, number, spectrum, transform, vector
 from lumiere.shape import Shape

@@ -49,9 +49,8 @@ class EnvironmentLight(Light):
     def image(self) -> np.ndarray:
         """(h, w, 3) float32 linear radiance of the file, row 0 at the top (+Y)."""
         if self.pixels is None:
-            from lumiere.imagefile import read_image
-
             from lumiere.compile.textures import linear_rgb
+            from lumiere.imagefile import read_image
 
             self.pixels = np.maximum(linear_rgb(read_image(self.file), None), 0.0)
         return self.pixels

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from lumiere.scene.fields import choice, file, vector
+from lumiere.scene.fields import Spectrum, choice, file, spectrum, vector
 from lumiere.texture import TEXTURES, Texture
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ class ImageTexture(Texture):
     type: ClassVar[str] = "image"
     record: ClassVar[Any] = np.dtype([
         ("first", "<u4"), ("width", "<i4"), ("height", "<i4"), ("format", "<i4"), ("wrap", "<i4"), ("nearest", "<i4"), ("channel", "<i4"),
-        ("scale", "<f4", 2), ("offset", "<f4", 2)])
+        ("scale", "<f4", 2), ("offset", "<f4", 2), ("factor", "<f4", 3)])
     uses: ClassVar[tuple[str, ...]] = ("uv",)
 
     file: Any = file(None, nullable=True, doc="the picture: PNG, JPEG, HDR, EXR, TIFF, …")
@@ -36,6 +36,7 @@ class ImageTexture(Texture):
     scale: tuple[float, float] = vector((1.0, 1.0), size=2, broadcast=True, doc="repetitions per unit of uv: a number, or one for u and one for v")
     offset: tuple[float, float] = vector((0.0, 0.0), size=2, doc="added to uv after scale")
     channel: str = choice("rgb", CHANNELS, doc="rgb, or one channel as a grey value")
+    factor: Spectrum = spectrum(1.0, doc="multiplies the value")
     pixels: np.ndarray | None = field(default=None, repr=False, compare=False)
     """(h, w, c) uint8 or float32 in place of ``file``, for pictures inside a mesh file; row 0 at the top."""
 
@@ -55,10 +56,11 @@ class ImageTexture(Texture):
         pixels = self.load()
         first, texel_format = texels.add(self, pixels)
         return {"first": first, "width": pixels.shape[1], "height": pixels.shape[0], "format": texel_format, "wrap": WRAPS.index(self.wrap),
-                "nearest": self.filter == "nearest", "channel": CHANNELS.index(self.channel) - 1, "scale": self.scale, "offset": self.offset}
+                "nearest": self.filter == "nearest", "channel": CHANNELS.index(self.channel) - 1, "scale": self.scale, "offset": self.offset,
+                "factor": self.factor}
 
     def average(self) -> tuple[float, float, float]:
         from lumiere.compile.textures import linear_rgb
 
-        mean = linear_rgb(self.load(), self.encoding).reshape(-1, 3).mean(axis=0, dtype=np.float64)
+        mean = linear_rgb(self.load(), self.encoding).reshape(-1, 3).mean(axis=0, dtype=np.float64) * self.factor
         return (float(mean[0]), float(mean[1]), float(mean[2]))

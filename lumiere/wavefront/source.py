@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lumiere.compile.features import FIRST_HIT_AOVS, ID_AOVS, Features
 from lumiere.compile.materials import NO_TEXTURE, bsdf_source
-from lumiere.compile.scene import TWO_SIDED, VISIBLE_TO_CAMERA, VISIBLE_TO_SHADOW, SceneBuffers
+from lumiere.compile.scene import TRANSLUCENT, TWO_SIDED, VISIBLE_TO_CAMERA, VISIBLE_TO_SHADOW, SceneBuffers
 from lumiere.device.program import ProgramSource
 from lumiere.device.source import assemble, c_struct, template
 from lumiere.filter import TABLE_SIZE
@@ -36,7 +36,8 @@ def _defines(features: Features, policy: Policy) -> str:
         "EMISSION": features.emission, "EMITTERS": features.emitters, "TEXTURED_EMISSION": features.textured_emission,
         "PATH_BSDF_PDF": features.bsdf_pdf, "PATH_ETA_SCALE": features.eta_scale, "CAMERA_LENS": features.camera_lens,
         "CAMERA_PARTIAL": features.camera_partial, "FILTER_TABLE": features.filter_table, "CLAMP_INDIRECT": features.clamp_indirect,
-        "VISIBILITY": features.visibility, "TRIANGLE_CORNERS": features.triangle_corners, "VERTEX_NORMALS": features.vertex_normals,
+        "VISIBILITY": features.visibility, "OPACITY": features.opacity, "TEXTURED_OPACITY": features.textured_opacity,
+        "NORMAL_MAP": features.normal_map, "BUMP_MAP": features.bump_map, "TRIANGLE_CORNERS": features.triangle_corners, "VERTEX_NORMALS": features.vertex_normals,
         "VERTEX_UVS": features.vertex_uvs, "VERTEX_COLORS": features.vertex_colors, "SURFACE_UV": features.surface_uv,
         "SURFACE_TANGENT": features.surface_tangent, "SURFACE_COLOR": features.surface_color,
         "INFINITE_LIGHTS": bool(features.infinite_lights), "SAMPLER_STRATA": features.sampler == "stratified",
@@ -52,7 +53,7 @@ def _defines(features: Features, policy: Policy) -> str:
         "FIRST_ID_CHANNEL": f"{min([channels[name] for name in ID_AOVS if name in channels], default=features.channel_count())}u",
         "QUEUE_COUNT": f"{len(queues)}u", "SHADE_QUEUES": str(max(1, len(features.bsdfs))), "FILTER_TABLE_SIZE": f"{TABLE_SIZE}u",
         "NON_FINITE_KEPT": f"{NON_FINITE_KEPT}u", "NO_TEXTURE": f"{NO_TEXTURE}u", "OBJECT_TWO_SIDED": f"{TWO_SIDED}u",
-        "OBJECT_VISIBLE_TO_CAMERA": f"{VISIBLE_TO_CAMERA}u", "OBJECT_VISIBLE_TO_SHADOW": f"{VISIBLE_TO_SHADOW}u",
+        "OBJECT_TRANSLUCENT": f"{TRANSLUCENT}u", "OBJECT_VISIBLE_TO_CAMERA": f"{VISIBLE_TO_CAMERA}u", "OBJECT_VISIBLE_TO_SHADOW": f"{VISIBLE_TO_SHADOW}u",
         "WORK_GROUP": f"__attribute__((reqd_work_group_size({policy.work_group}, 1, 1)))",
     }
     lines = [f"#define {name}" for name, present in flags.items() if present]
@@ -61,7 +62,7 @@ def _defines(features: Features, policy: Policy) -> str:
 
 def _scene_struct(buffers: SceneBuffers) -> str:
     """scene_t: pointers to the scene's buffers; and the kernel parameters that every stage takes, with the text that packs them up."""
-    mask = "    uint ray_mask;\n" if buffers.features.visibility else ""
+    ray = ("    uint ray_mask;\n" if buffers.features.visibility else "") + ("    uint ray_seed;\n" if buffers.features.opacity else "")
     members = "".join(f"    global const {c_type} *{name};\n" for name, (c_type, _) in buffers.arrays.items())
     parameters = ["global float *path_floats", "global uint *path_uints", "uint path_stride", "global uint *queue_slots", "global uint *counters",
                   "uint capacity", "uint parity", "global float *sample_values", "uint sample_stride", "global const batch_t *batch"]
@@ -70,7 +71,7 @@ def _scene_struct(buffers: SceneBuffers) -> str:
     begin += [f"scene.{name} = scene_{name};" for name in buffers.arrays]
     begin += ["path_t path = {path_floats, path_uints, path_stride};", "samples_t samples = {sample_values, sample_stride};",
               "queues_t queues;", "queues.counters = counters;", "queues.capacity = capacity;"]
-    return (f"typedef struct {{\n    global const batch_t *batch;\n{mask}{members}}} scene_t;\n\n"
+    return (f"typedef struct {{\n    global const batch_t *batch;\n{ray}{members}}} scene_t;\n\n"
             "typedef struct {\n    global float *values;\n    uint stride;\n} samples_t;\n\n"
             "#ifdef QUEUES_COMPACTED\n"
             "typedef struct {\n    global uint *slots;\n    global uint *counters;\n    uint capacity;\n} queues_t;\n"
@@ -89,13 +90,11 @@ def _for_each(name: str, items: tuple[str, ...] | list[str], *, numbered: bool =
 
 def _shapes(features: Features) -> str:
     text = [_for_each("SHAPE", list(features.shapes))]
-    if features.visibility:
-        text.append("#define VISIBLE(scene, primitive) \\\n"
-                    "    (((scene)->objects[(scene)->primitive_objects[primitive]].flags & (scene)->ray_mask) == (scene)->ray_mask)\n")
+    counts = template("accel/counts.cl") if features.visibility or features.opacity else ""
     for name, layout in features.shapes.items():
         text.append(f'#include "shape/{name}.cl"\n')
         text.append(f"#define SHAPE {name}\n#define SHAPE_FIRST scene->render->{name}_first\n#define SHAPE_COUNT scene->render->{name}_count\n"
-                    f"#define SHAPE_BUFFER(key) scene->{name}_##key\n{template(f'accel/{layout}.cl')}"
+                    f"#define SHAPE_BUFFER(key) scene->{name}_##key\n{counts}{template(f'accel/{layout}.cl')}"
                     "#undef SHAPE\n#undef SHAPE_FIRST\n#undef SHAPE_COUNT\n#undef SHAPE_BUFFER\n")
     return "".join(text)
 
@@ -111,6 +110,8 @@ def generated_sources(buffers: SceneBuffers, policy: Policy) -> dict[str, str]:
         "scene/shapes.cl": _shapes(features),
         "scene/lights.cl": lights,
         "scene/emission.cl": '#include "lib/textures.cl"\n' if features.textured_emission else "",
+        "scene/opacity.cl": '#include "lib/textures.cl"\n' if features.textured_opacity else "",
+        "scene/tilt.cl": '#include "lib/textures.cl"\n' if features.normal_map or features.bump_map else "",
         "scene/textures.cl": "".join(f'#include "texture/{kind}.cl"\n' for kind in features.textures)
         + _for_each("TEXTURE", features.textures, numbered=True),
         "scene/camera.cl": f'#include "camera/{features.camera}.cl"\n',
