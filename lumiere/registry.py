@@ -28,18 +28,22 @@ class Registry(Generic[T]):
         self._kinds[name] = kind
         return kind
 
-    def kinds(self) -> dict[str, type[T]]:
-        """All kinds, by name, in alphabetical order."""
+    def _discover(self) -> None:
         if not self._discovered:
             self._discovered = True
             package = importlib.import_module(self.package)
             for module in pkgutil.iter_modules(package.__path__):
                 importlib.import_module(f"{self.package}.{module.name}")
+
+    def kinds(self) -> dict[str, type[T]]:
+        """All kinds, by name, in alphabetical order."""
+        self._discover()
         return dict(sorted(self._kinds.items()))
 
     def get(self, name: str) -> type[T] | None:
         """The kind called ``name``, or None."""
-        return self.kinds().get(name)
+        self._discover()
+        return self._kinds.get(name)
 
 
 def nearest(name: str, known: object) -> str | None:

@@ -40,6 +40,8 @@ class Sphere(Shape):
 
     def check(self) -> str | None:
         """What is wrong with the transform, or None."""
+        if self.transform is None:
+            return None
         linear = self.matrix()[:3, :3]
         gram = linear.T @ linear
         scale = np.trace(gram) / 3.0
