@@ -122,7 +122,10 @@ static inline bool triangle_intersect(const scene_t *scene, uint index, const ra
     float height = dot(to_v0, plane.normal);
     if (!(fabs(height) > 8.0f * 0x1p-24f * dot(fabs(to_v0), plane.terms)))
         return false;
-    float t = height / dot((float3)(prepared->shear.xy, 1.0f), plane.normal) * prepared->shear.z;
+    // Seen almost edge on, the quotient is mostly rounding, but the triangle ends where its vertices do.
+    float z = height / dot((float3)(prepared->shear.xy, 1.0f), plane.normal);
+    z = fmin(fmax(z, fmin(a.z, fmin(b.z, c.z))), fmax(a.z, fmax(b.z, c.z)));
+    float t = z * prepared->shear.z;
     if (!(t > 0.0f && t < t_max))
         return false;
     float3 barycentrics = edges / determinant;

@@ -20,13 +20,16 @@ class Accelerator(Protocol):
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """The topology over boxes (n, 3) float32; ``order`` is the order in which the primitives have to be stored."""
 
-    def encode(self, topology: Topology) -> dict[str, np.ndarray]:
-        """The device's arrays, of float32 or uint32, by name: the field ``{shape}_{name}`` of ``scene_t``."""
+    def encode(self, topology: Topology, records: np.ndarray) -> dict[str, np.ndarray]:
+        """The device's arrays, of float32 or uint32, by name: the field ``{shape}_{name}`` of ``scene_t``. ``records`` are in leaf order."""
 
 
-def choose(n_primitives: int, bounded: bool) -> Accelerator:
-    """The accelerator for ``n_primitives`` of a kind whose boxes are finite or not."""
+def choose(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelerator:
+    """The accelerator for ``n_primitives`` of a device shape, whose boxes are finite or not, on a device that has wide vectors or not."""
     from lumiere.accel.bvh2 import Bvh2
+    from lumiere.accel.bvh8 import Bvh8
     from lumiere.accel.flat import Flat
 
-    return Bvh2() if bounded and n_primitives > FLAT_UP_TO else Flat()
+    if not bounded or n_primitives <= FLAT_UP_TO:
+        return Flat()
+    return Bvh8() if wide and shape == "triangle" else Bvh2()

@@ -82,7 +82,7 @@ def build(lower: np.ndarray, upper: np.ndarray, max_leaf_size: int = 4, traversa
         largest_child = max_leaf_size << (MAX_DEPTH - len(levels) - 1) if len(levels) < MAX_DEPTH else 0
         split = _best_splits(boxes, start, count, largest_child)
 
-        area = half_area(low, high)
+        area = half_area(low.astype(np.float64), high)
         keep_whole = (count <= max_leaf_size) & ~(traversal_cost * area + split.cost < count * area)
         nodes_before += len(count)
         left = np.full(len(count), -1, np.int32)
@@ -111,14 +111,14 @@ def build(lower: np.ndarray, upper: np.ndarray, max_leaf_size: int = 4, traversa
 
 
 def half_area(low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Half the surface area of boxes given as (3, …) arrays, in float64: an extent of 1e30 squared is no float32."""
+    """Half the surface area of boxes given as (3, …) arrays; in float64, for an extent of 1e30 squared is no float32."""
     x, y, z = (high - low).astype(np.float64)
     return x * (y + z) + y * z
 
 
 def sah_cost(topology: Topology, traversal_cost: float = 1.0) -> float:
     """Expected cost of a ray that crosses the root's box, in intersections (MacDonald & Booth 1990); 0 without primitives."""
-    area = half_area(topology.lower.T, topology.upper.T)
+    area = half_area(topology.lower.T.astype(np.float64), topology.upper.T)
     if not len(area):
         return 0.0
     cost = np.where(topology.leaves, topology.count, traversal_cost)

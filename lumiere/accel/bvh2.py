@@ -30,7 +30,7 @@ class Bvh2:
         """A SAH topology with leaves of at most 4."""
         return build(lower, upper, max_leaf_size=4)
 
-    def encode(self, topology: Topology) -> dict[str, np.ndarray]:
+    def encode(self, topology: Topology, records: np.ndarray) -> dict[str, np.ndarray]:
         """``nodes`` and ``children``. Raises ValueError for leaves or a number of primitives that a reference cannot hold."""
         if len(topology.order) > MAX_PRIMITIVES:
             raise ValueError(f"found {len(topology.order)} primitives, expected at most {MAX_PRIMITIVES}")

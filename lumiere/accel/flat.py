@@ -18,6 +18,6 @@ class Flat:
         """One leaf, the primitives in their own order."""
         return single_leaf(lower, upper)
 
-    def encode(self, topology: Topology) -> dict[str, np.ndarray]:
+    def encode(self, topology: Topology, records: np.ndarray) -> dict[str, np.ndarray]:
         """Nothing."""
         return {}

@@ -1,0 +1,87 @@
+"""What the encoders write, read back."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lumiere.accel import FLAT_UP_TO, choose
+from lumiere.accel.build import MAX_DEPTH, build
+from lumiere.accel.bvh2 import Bvh2
+from lumiere.accel.flat import Flat
+from lumiere.paths import cl_root
+
+
+def leaves_of(arrays: dict[str, np.ndarray]) -> list[tuple[int, int, np.ndarray]]:
+    """First primitive, count and box (2, 3) of every leaf that has a box, in the order of a depth-first walk that checks the boxes above."""
+    everywhere = np.float32([[-np.inf] * 3, [np.inf] * 3])
+    found, waiting = [], [(0, everywhere)]
+    while waiting:
+        node, outer = waiting.pop()
+        xy, z = arrays["nodes"][node, :8].reshape(2, 2, 2), arrays["nodes"][node, 8:].reshape(2, 1, 2)
+        boxes = np.concatenate([xy, z], axis=1).transpose(0, 2, 1)  # child, low or high, axis
+        for box, child in reversed(list(zip(boxes, arrays["children"][node].tolist(), strict=True))):
+            if (box[0] > box[1]).all():
+                continue
+            assert (box[0] >= outer[0]).all() and (box[1] <= outer[1]).all()
+            if child >> 31:
+                found.append((child & (1 << 28) - 1, (child >> 28 & 7) + 1, box))
+            else:
+                waiting.append((child, box))
+    return found
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 4, 5, 100, 5000])
+def test_bvh2_holds_every_primitive_once(n: int) -> None:
+    lower = np.random.default_rng(n).random((n, 3)).astype(np.float32)
+    upper = lower + np.float32(0.01)
+    topology = Bvh2().build(lower, upper)
+    arrays = Bvh2().encode(topology)
+    assert arrays["nodes"].dtype == np.float32 and arrays["nodes"].shape == (len(arrays["children"]), 12)
+    assert arrays["children"].dtype == np.uint32 and arrays["children"].shape[1] == 2
+    held = np.zeros(n, int)
+    for first, count, box in leaves_of(arrays):
+        held[first : first + count] += 1
+        members = topology.order[first : first + count]
+        assert np.array_equal(box[0], lower[members].min(axis=0)) and np.array_equal(box[1], upper[members].max(axis=0))
+    assert (held == 1).all()
+
+
+def test_a_left_child_follows_its_parent() -> None:
+    lower = np.random.default_rng(1).random((1000, 3)).astype(np.float32)
+    left = Bvh2().encode(build(lower, lower))["children"][:, 0].astype(np.int64)
+    inner = left >> 31 == 0
+    assert inner.sum() > 100
+    assert np.array_equal(left[inner], np.flatnonzero(inner) + 1)
+
+
+def test_what_a_reference_cannot_hold_is_refused() -> None:
+    lower = np.zeros((9, 3), np.float32)
+    topology = build(lower, lower, max_leaf_size=9)
+    with pytest.raises(ValueError, match="a leaf of 9 primitives, expected at most 8"):
+        Bvh2().encode(topology)
+    too_many = np.broadcast_to(np.uint32(0), (1 << 28) + 1)
+    with pytest.raises(ValueError, match="found 268435457 primitives, expected at most 268435456"):
+        Bvh2().encode(replace(topology, order=too_many))
+
+
+def test_the_stack_is_as_deep_as_a_tree_may_be() -> None:
+    text = (cl_root() / "accel/bvh2_stack.cl").read_text(encoding="utf-8")
+    assert int(re.search(r"#define BVH2_STACK (\d+)", text)[1]) == MAX_DEPTH
+
+
+def test_flat_keeps_the_order_and_takes_infinite_boxes() -> None:
+    lower = np.full((3, 3), -np.inf, np.float32)
+    topology = Flat().build(lower, -lower)
+    assert topology.order.tolist() == [0, 1, 2] and Flat().encode(topology) == {}
+
+
+def test_choose() -> None:
+    assert choose(FLAT_UP_TO, bounded=True).name == "flat"
+    assert choose(FLAT_UP_TO + 1, bounded=True).name == "bvh2"
+    assert choose(1000, bounded=False).name == "flat"
+    for name in ("flat", "bvh2"):
+        assert (cl_root() / f"accel/{name}.cl").is_file()
