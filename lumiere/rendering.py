@@ -18,7 +18,7 @@ from lumiere.film.progress import Progress
 from lumiere.scene.model import Scene
 from lumiere.wavefront.batch import Batch, passes, pixel_order
 from lumiere.wavefront.loop import Wavefront
-from lumiere.wavefront.policy import policy_for
+from lumiere.wavefront.policy import is_gpu, policy_for
 from lumiere.wavefront.state import words_per_path
 
 SECONDS_A_BATCH = 1.0
@@ -37,7 +37,7 @@ class Render:
         self.seconds = {"load": load_seconds, "accelerator": 0.0, "compile": 0.0, "render": 0.0}
         self.device = choose(device)
         begin = time.perf_counter()
-        buffers = compile_scene(scene)
+        buffers = compile_scene(scene, wide=not is_gpu(self.device))
         accelerator = buffers.seconds.get("accelerator", 0.0)
         self.seconds["load"] += time.perf_counter() - begin - accelerator
         self.seconds["accelerator"] = accelerator

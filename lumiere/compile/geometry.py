@@ -59,9 +59,9 @@ class Vertices:
         return (primitives.indices + first).astype(np.uint32)
 
 
-def group_shapes(objects: list[Object], keep: tuple[str, ...]) -> tuple[list[ShapeGroup], Vertices]:
+def group_shapes(objects: list[Object], keep: tuple[str, ...], wide: bool) -> tuple[list[ShapeGroup], Vertices]:
     """One group for each device shape that ``objects`` hold, triangles first. ``keep`` names what vertices carry that the scene uses
-    (``normals``, ``uvs``, ``colors``).
+    (``normals``, ``uvs``, ``colors``); ``wide``: the device has wide vectors.
     """
     vertices = Vertices()
     groups = []
@@ -76,14 +76,14 @@ def group_shapes(objects: list[Object], keep: tuple[str, ...]) -> tuple[list[Sha
         corners = None
         if device_shape.name == "triangle" and any(_carries(objects[i].primitives, keep) for i in members):
             corners = np.concatenate([vertices.add(_only(objects[i].primitives, keep)) for i in members])
-        accelerator = choose(len(records), device_shape.bounded)
+        accelerator = choose(device_shape.name, len(records), device_shape.bounded, wide)
         buffers: dict[str, np.ndarray] = {}
         if device_shape.bounded:
             topology = accelerator.build(*device_shape.bounds(records))
             order = topology.order
             records, owners = records[order], owners[order]
             corners = corners if corners is None else corners[order]
-            buffers = accelerator.encode(topology)
+            buffers = accelerator.encode(topology, records)
         groups.append(ShapeGroup(device_shape, records, owners, accelerator.name, buffers, corners))
     return groups, vertices
 

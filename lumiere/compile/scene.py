@@ -55,8 +55,8 @@ class SceneBuffers:
         return "\n".join(c_struct(name, dtype) for name, dtype in self.structs.items())
 
 
-def compile_scene(scene: Scene) -> SceneBuffers:
-    """Compiles a validated scene. Raises SceneError where a file that it names is not what it should be."""
+def compile_scene(scene: Scene, *, wide: bool = True) -> SceneBuffers:
+    """Compiles a validated scene, for a device with wide vectors (CPUs) or without. Raises SceneError where a file that it names is not what it should be."""
     objects, lights = _lower(scene)
     textures = TextureTable()
     materials = MaterialTable(textures)
@@ -74,7 +74,7 @@ def compile_scene(scene: Scene) -> SceneBuffers:
     has_normals = any(o.primitives.normals is not None for o in objects)
     keep = (("normals",) if has_normals else ()) + (("uvs",) if uses_uv else ()) + (("colors",) if "color" in textures.uses else ())
     begin = time.perf_counter()
-    groups, vertices = group_shapes(objects, keep)
+    groups, vertices = group_shapes(objects, keep, wide)
     accelerator_seconds = time.perf_counter() - begin
     center, radius = scene_bounds(groups)
     table = light_table(lights, objects, groups, radius)

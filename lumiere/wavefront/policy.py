@@ -18,11 +18,16 @@ class Policy:
     rounds: int
 
 
-def policy_for(device: Any, samples: int, bytes_per_path: int, bytes_per_sample: int) -> Policy:
-    """The policy for ``device`` (a pyopencl.Device) to render ``samples`` samples: no more slots than samples, no more memory than a quarter."""
+def is_gpu(device: Any) -> bool:
+    """A device that runs work-items in lockstep: it wants compacted queues and one ray a lane."""
     import pyopencl as cl
 
-    gpu = bool(device.type & cl.device_type.GPU)
+    return bool(device.type & (cl.device_type.GPU | cl.device_type.ACCELERATOR))
+
+
+def policy_for(device: Any, samples: int, bytes_per_path: int, bytes_per_sample: int) -> Policy:
+    """The policy for ``device`` (a pyopencl.Device) to render ``samples`` samples: no more slots than samples, no more memory than a quarter."""
+    gpu = is_gpu(device)
     work_group = min(64, device.max_work_group_size)
     memory = min(device.global_mem_size // 4, device.max_mem_alloc_size)
     slots = min(1 << 22 if gpu else 1 << 15, memory // max(1, bytes_per_path), max(1, samples))

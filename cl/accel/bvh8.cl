@@ -1,0 +1,76 @@
+// A BVH of eight children a node and eight triangles a leaf: one ray a work-item, its eight boxes or triangles in one vector each
+// (Wald, Benthin & Boulos 2008, "Getting Rid of Packets"). For triangles only. lumiere/accel/bvh8.py says what is in the arrays.
+//
+// Blocks are tested a little too generously; what remains goes through the watertight test of shape/triangle_test.cl, which decides.
+// Vectors are dereferenced and compared with ?:, not through vload8, min and max, which are calls on some runtimes.
+
+#include "accel/template.cl"
+#include "accel/bvh8_node.cl"
+#include "accel/bvh8_block.cl"
+
+// The nearest hit before hit->t, or with any_hit an arbitrary one.
+static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *ray, hit_t *hit, const bool any_hit)
+{
+    if (SHAPE_COUNT == 0u || !ray_is_valid(ray))
+        return false;
+    SHAPE_FUNCTION(ray_t) prepared = SHAPE_FUNCTION(prepare)(ray);
+    bvh8_ray_t wide = bvh8_prepare(ray);
+    ulong stack[BVH8_STACK];
+    uint size = 0u, current = 0u;
+    bool found = false;
+    for (;;) {
+        if (!(current & BVH8_LEAF)) {
+            uint before = size;
+            bvh8_enter_t enter;
+            ulong lanes = bvh8_enter(&wide, SHAPE_BUFFER(nodes) + 48 * (size_t)current, hit->t, &enter);
+            global const uint *children = SHAPE_BUFFER(children) + 8 * (size_t)current;
+            while (lanes) {
+                uint lane = bvh8_first_lane(lanes);
+                lanes &= lanes - 1UL;
+                ulong entry = ((ulong)as_uint(enter.lane[lane]) << 32) | children[lane];
+                uint at = size++;
+                // The nearest on top; for any hit the order does not matter.
+                for (; !any_hit && at > before && stack[at - 1u] < entry; at--)
+                    stack[at] = stack[at - 1u];
+                stack[at] = entry;
+            }
+        } else {
+            uint block = current & ~BVH8_LEAF;
+            ulong lanes = bvh8_block_candidates(&prepared, SHAPE_BUFFER(blocks) + 72 * (size_t)block, hit->t);
+            while (lanes) {
+                uint lane = bvh8_first_lane(lanes);
+                lanes &= lanes - 1UL;
+                uint range = SHAPE_BUFFER(ranges)[block];
+                if (lane > range >> 28)
+                    break;
+                uint index = (range & 0x0fffffffu) + lane;
+                hit_t candidate;
+                if (SHAPE_FUNCTION(intersect)(scene, index, ray, &prepared, hit->t, &candidate) && SHAPE_ACCEPTS(index)) {
+                    *hit = candidate;
+                    hit->primitive = index + SHAPE_FIRST;
+                    found = true;
+                    if (any_hit)
+                        return true;
+                }
+            }
+        }
+        do {
+            if (size == 0u)
+                return found;
+            size--;
+        } while (!(as_float((uint)(stack[size] >> 32)) < hit->t));
+        current = (uint)stack[size];
+    }
+}
+
+static inline bool SHAPE_FUNCTION(nearest)(const scene_t *scene, const ray_t *ray, hit_t *hit)
+{
+    return SHAPE_FUNCTION(traverse)(scene, ray, hit, false);
+}
+
+static inline bool SHAPE_FUNCTION(occluded)(const scene_t *scene, const ray_t *ray)
+{
+    hit_t hit;
+    hit.t = ray->t_max;
+    return SHAPE_FUNCTION(traverse)(scene, ray, &hit, true);
+}

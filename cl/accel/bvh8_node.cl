@@ -1,0 +1,57 @@
+// A ray against the eight boxes of a node, conservatively.
+
+#include "accel/slab.cl"
+#include "lib/ray.cl"
+
+#define BVH8_LEAF 0x80000000u
+#define BVH8_STACK 352  // seven more a level, over the 48 levels that a topology has at most, and a node's eight
+
+typedef struct {
+    float3 o;
+    float3 inverse_d;
+    uint3 near;  // which of a node's vectors holds each axis's near planes; the far ones are its neighbour
+} bvh8_ray_t;
+
+static inline bvh8_ray_t bvh8_prepare(const ray_t *ray)
+{
+    bvh8_ray_t prepared;
+    prepared.o = ray->o;
+    prepared.inverse_d = 1.0f / ray->d;
+    prepared.near.x = prepared.inverse_d.x < 0.0f ? 1u : 0u;
+    prepared.near.y = prepared.inverse_d.y < 0.0f ? 3u : 2u;
+    prepared.near.z = prepared.inverse_d.z < 0.0f ? 5u : 4u;
+    return prepared;
+}
+
+typedef union {
+    float8 all;
+    float lane[8];
+} bvh8_enter_t;
+
+// Bit 0 of byte i: lane i is set.
+static inline ulong bvh8_lanes(int8 mask)
+{
+    return as_ulong(convert_char8(mask)) & 0x0101010101010101UL;
+}
+
+static inline uint bvh8_first_lane(ulong lanes)
+{
+    return (uint)(63UL - clz(lanes & (0UL - lanes))) >> 3;
+}
+
+// Which boxes the ray meets within t_max, and where it enters them. The comparisons drop the NaN of 0 × infinity.
+static inline ulong bvh8_enter(const bvh8_ray_t *ray, global const float *node, float t_max, bvh8_enter_t *enter)
+{
+    global const float8 *planes = (global const float8 *)node;
+    float8 near = (planes[ray->near.x] - ray->o.x) * ray->inverse_d.x, far = (planes[ray->near.x ^ 1u] - ray->o.x) * ray->inverse_d.x;
+    float8 near_y = (planes[ray->near.y] - ray->o.y) * ray->inverse_d.y, far_y = (planes[ray->near.y ^ 1u] - ray->o.y) * ray->inverse_d.y;
+    float8 near_z = (planes[ray->near.z] - ray->o.z) * ray->inverse_d.z, far_z = (planes[ray->near.z ^ 1u] - ray->o.z) * ray->inverse_d.z;
+    near = near > 0.0f ? near : (float8)(0.0f);
+    near = near_y > near ? near_y : near;
+    near = near_z > near ? near_z : near;
+    far = far < t_max ? far : (float8)(t_max);
+    far = far_y < far ? far_y : far;
+    far = far_z < far ? far_z : far;
+    enter->all = near;
+    return bvh8_lanes(near <= far * SLAB_MARGIN);
+}
