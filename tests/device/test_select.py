@@ -99,10 +99,17 @@ def test_a_broken_platform_does_not_hide_the_others(monkeypatch: pytest.MonkeyPa
         def get_devices(self) -> list[object]:
             return []
 
+    class Odd:
+        name = "Odd"
+
+        def get_devices(self) -> list[object]:
+            return [object()]
+
     real = cl.get_platforms()
-    monkeypatch.setattr(cl, "get_platforms", lambda: [Broken(), *real, Empty()])
+    monkeypatch.setattr(cl, "get_platforms", lambda: [Broken(), Odd(), *real, Empty()])
     listed = list_devices()
     assert (listed[0].index, listed[0].platform, listed[0].error) == (None, "Broken", "driver fell over")
+    assert (listed[1].index, listed[1].platform) == (None, "Odd") and "attribute" in listed[1].error
     assert (listed[-1].platform, listed[-1].error) == ("Empty", "no device")
     assert [info.index for info in listed if info.index is not None] == list(range(sum(len(p.get_devices()) for p in real)))
 
