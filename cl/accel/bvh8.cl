@@ -1,7 +1,6 @@
 // A BVH of eight children a node and eight triangles a leaf: one ray a work-item, its eight boxes or triangles in one vector each
 // (Wald, Benthin & Boulos 2008, "Getting Rid of Packets"). For triangles only. lumiere/accel/bvh8.py says what is in the arrays.
 //
-// Blocks are tested a little too generously; what remains goes through the watertight test of shape/triangle_test.cl, which decides.
 // Vectors are dereferenced and compared with ?:, not through vload8, min and max, which are calls on some runtimes.
 
 #include "accel/template.cl"
@@ -21,7 +20,7 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
     for (;;) {
         if (!(current & BVH8_LEAF)) {
             uint before = size;
-            bvh8_enter_t enter;
+            bvh8_floats_t enter;
             ulong lanes = bvh8_enter(&wide, SHAPE_BUFFER(nodes) + 48 * (size_t)current, hit->t, &enter);
             global const uint *children = SHAPE_BUFFER(children) + 8 * (size_t)current;
             while (lanes) {
@@ -36,29 +35,33 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
             }
         } else {
             uint block = current & ~BVH8_LEAF;
-            ulong lanes = bvh8_block_candidates(&prepared, SHAPE_BUFFER(blocks) + 72 * (size_t)block, hit->t);
-            while (lanes) {
-                uint lane = bvh8_first_lane(lanes);
-                lanes &= lanes - 1UL;
-                uint range = SHAPE_BUFFER(ranges)[block];
+            bvh8_block_t test;
+            bvh8_block_test(&prepared, SHAPE_BUFFER(blocks) + 72 * (size_t)block, hit->t, &test);
+            for (ulong lanes = test.met | test.doubt; lanes; lanes &= lanes - 1UL) {
+                uint lane = bvh8_first_lane(lanes), range = SHAPE_BUFFER(ranges)[block], index = (range & 0x0fffffffu) + lane;
                 if (lane > range >> 28)
                     break;
-                uint index = (range & 0x0fffffffu) + lane;
-                hit_t candidate;
-                if (SHAPE_FUNCTION(intersect)(scene, index, ray, &prepared, hit->t, &candidate) && SHAPE_ACCEPTS(index)) {
-                    *hit = candidate;
-                    hit->primitive = index + SHAPE_FIRST;
-                    found = true;
-                    if (any_hit)
-                        return true;
+                hit_t candidate = {test.t.lane[lane], test.u.lane[lane], test.v.lane[lane], 0u};
+                if (test.doubt & lanes & (0UL - lanes)) {
+                    if (!SHAPE_FUNCTION(intersect)(scene, index, ray, &prepared, hit->t, &candidate))
+                        continue;
+                } else if (!(candidate.t < hit->t)) {
+                    continue;
                 }
+                if (!SHAPE_ACCEPTS(index))
+                    continue;
+                *hit = candidate;
+                hit->primitive = index + SHAPE_FIRST;
+                found = true;
+                if (any_hit)
+                    return true;
             }
         }
         do {
             if (size == 0u)
                 return found;
             size--;
-        } while (!(as_float((uint)(stack[size] >> 32)) < hit->t));
+        } while (!(as_float((uint)(stack[size] >> 32)) <= hit->t * SLAB_MARGIN));
         current = (uint)stack[size];
     }
 }

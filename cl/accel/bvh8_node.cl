@@ -26,7 +26,7 @@ static inline bvh8_ray_t bvh8_prepare(const ray_t *ray)
 typedef union {
     float8 all;
     float lane[8];
-} bvh8_enter_t;
+} bvh8_floats_t;
 
 // Bit 0 of byte i: lane i is set.
 static inline ulong bvh8_lanes(int8 mask)
@@ -40,7 +40,7 @@ static inline uint bvh8_first_lane(ulong lanes)
 }
 
 // Which boxes the ray meets within t_max, and where it enters them. The comparisons drop the NaN of 0 × infinity.
-static inline ulong bvh8_enter(const bvh8_ray_t *ray, global const float *node, float t_max, bvh8_enter_t *enter)
+static inline ulong bvh8_enter(const bvh8_ray_t *ray, global const float *node, float t_max, bvh8_floats_t *enter)
 {
     global const float8 *planes = (global const float8 *)node;
     float8 near = (planes[ray->near.x] - ray->o.x) * ray->inverse_d.x, far = (planes[ray->near.x ^ 1u] - ray->o.x) * ray->inverse_d.x;

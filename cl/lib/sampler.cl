@@ -39,7 +39,11 @@ typedef struct {
 static inline film_sample_t film_sample(const scene_t *scene, uint sample)
 {
     global const render_t *render = scene->render;
+#ifdef PIXEL_LIST
+    uint ordinal = scene->pixel_list[sample / scene->batch->samples_a_pixel];
+#else
     uint ordinal = scene->batch->first_pixel + sample / scene->batch->samples_a_pixel;
+#endif
     uint width = render->crop_width, height = render->crop_height;
     uint band = ordinal / (8u * width);
     uint band_height = min(8u, height - 8u * band);
@@ -54,22 +58,26 @@ static inline film_sample_t film_sample(const scene_t *scene, uint sample)
     return s;
 }
 
-static inline sequence_t sampler_of(const scene_t *scene, uint sample)
+// The random numbers of a sample: its pixel's seed, its index.
+static inline sequence_t sequence_new(const scene_t *scene, uint seed, uint index)
 {
-    film_sample_t at = film_sample(scene, sample);
-    sequence_t sampler;
-    sampler.seed = hash_combine(hash_combine(scene->render->seed, at.x), at.y);
-    sampler.index = at.index;
+    sequence_t sequence;
+    sequence.seed = seed;
+    sequence.index = index;
 #ifdef SAMPLER_STRATA
-    sampler.strata_x = scene->render->strata_x;
-    sampler.strata_y = scene->render->strata_y;
+    sequence.strata_x = scene->render->strata_x;
+    sequence.strata_y = scene->render->strata_y;
 #endif
-    return sampler;
+    return sequence;
+}
+
+static inline uint pixel_seed(const scene_t *scene, film_sample_t at)
+{
+    return hash_combine(hash_combine(scene->render->seed, at.x), at.y);
 }
 
 // A number for each ray of a path, from which each surface it meets takes its own random number (accel/counts.cl).
-static inline uint ray_seed(const scene_t *scene, uint sample, uint ray)
+static inline uint ray_seed(uint pixel, uint index, uint ray)
 {
-    sequence_t sequence = sampler_of(scene, sample);
-    return hash_combine(hash_combine(sequence.seed, sequence.index), ray);
+    return hash_combine(hash_combine(pixel, index), ray);
 }

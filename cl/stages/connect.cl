@@ -22,7 +22,7 @@ kernel WORK_GROUP void connect(STAGE_PARAMETERS)
     scene.ray_mask = OBJECT_VISIBLE_TO_SHADOW;
 #endif
 #ifdef OPACITY
-    scene.ray_seed = ray_seed(&scene, path_get_sample(&path, slot), 2u * path_get_depth(&path, slot) + 1u);
+    scene.ray_seed = ray_seed(path_get_seed(&path, slot), path_get_index(&path, slot), 2u * path_get_depth(&path, slot) + 1u);
 #endif
     if (!trace_occluded(&scene, &ray))
         sample_add_radiance(&scene, &samples, path_get_sample(&path, slot), path_get_depth(&path, slot), path_get_contribution(&path, slot));

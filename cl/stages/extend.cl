@@ -31,7 +31,7 @@ kernel WORK_GROUP void extend(STAGE_PARAMETERS)
         scene.ray_mask = path_get_depth(&path, slot) == 0u ? OBJECT_VISIBLE_TO_CAMERA : 0u;
 #endif
 #ifdef OPACITY
-        scene.ray_seed = ray_seed(&scene, path_get_sample(&path, slot), 2u * path_get_depth(&path, slot));
+        scene.ray_seed = ray_seed(path_get_seed(&path, slot), path_get_index(&path, slot), 2u * path_get_depth(&path, slot));
 #endif
 #ifdef CAMERA_PARTIAL
         if (path_get_depth(&path, slot) == 0u && is_black(path_get_throughput(&path, slot)))

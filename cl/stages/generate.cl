@@ -27,7 +27,7 @@ static inline void start_path(const scene_t *scene, const path_t *path, const sa
     for (uint channel = 0u; channel < CHANNEL_COUNT; ++channel)
         sample_set(samples, channel, sample, 0.0f);
     film_sample_t at = film_sample(scene, sample);
-    sequence_t sampler = sampler_of(scene, sample);
+    sequence_t sampler = sequence_new(scene, pixel_seed(scene, at), at.index);
     uint2 u = sample_2d(&sampler, DIMENSION_FILM);
     float2 offset = (float2)(unit_float(u.x), unit_float(u.y));
     float weight = 1.0f;
@@ -54,6 +54,8 @@ static inline void start_path(const scene_t *scene, const path_t *path, const sa
     global const float *m = scene->camera->to_world;
     path_set_sample(path, slot, sample);
     path_set_depth(path, slot, 0u);
+    path_set_seed(path, slot, sampler.seed);
+    path_set_index(path, slot, sampler.index);
     path_set_origin(path, slot, (float3)(dot(load3(m), origin) + m[3], dot(load3(m + 4), origin) + m[7], dot(load3(m + 8), origin) + m[11]));
     path_set_direction(path, slot,
                        normalize((float3)(dot(load3(m), direction), dot(load3(m + 4), direction), dot(load3(m + 8), direction))));

@@ -212,7 +212,7 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
     if (vertex.depth >= scene->render->max_depth)
         return;
 #endif
-    vertex.sampler = sampler_of(scene, vertex.sample);
+    vertex.sampler = sequence_new(scene, path_get_seed(path, slot), path_get_index(path, slot));
 #ifdef NEXT_EVENT_ESTIMATION
     *connects = sample_light(scene, path, slot, &bsdf, &vertex, throughput);
 #endif

@@ -28,6 +28,8 @@ class PathField:
 
 PATH_FIELDS = (
     PathField("sample", "uint", "place in the batch's sample buffer"),
+    PathField("seed", "uint", "of the pixel's random numbers"),
+    PathField("index", "uint", "of the sample in its pixel"),
     PathField("depth", "uint", "scattering events so far"),
     PathField("origin", "float3", "of the ray"),
     PathField("direction", "float3", "of the ray, unit"),
