@@ -1,4 +1,5 @@
-// Integer CDFs (lumiere/light/distribution.py): entry i is drawn by a uniform 32-bit u with cdf[i − 1] < u ≤ cdf[i].
+// Integer CDFs (lumiere/light/distribution.py): entry i is drawn by a uniform 32-bit u with cdf[i − 1] < u ≤ cdf[i], the first from 0 on.
+// An entry of weight 0 behind the first has no u.
 
 typedef struct {
     uint index;
@@ -14,7 +15,8 @@ static inline uint discrete_below(global const uint *cdf, uint index)
 static inline float discrete_probability(global const uint *cdf, uint index)
 {
     // The width of an only entry is 2³², one more than an uint holds.
-    return ((float)(cdf[index] - discrete_below(cdf, index)) + 1.0f) * 0x1p-32f;
+    float width = index == 0u ? (float)cdf[0] + 1.0f : (float)(cdf[index] - cdf[index - 1u]);
+    return width * 0x1p-32f;
 }
 
 static inline discrete_t discrete_sample(global const uint *cdf, uint count, uint u)
