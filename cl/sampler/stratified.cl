@@ -3,7 +3,8 @@
 
 #include "lib/hash.cl"
 
-// Element `i` of a random permutation of 0 … length − 1 (Kensler 2013, listing 3: cycle walking over a hash of the next power of two).
+// Element `i` of a random permutation of 0 … length − 1 (Kensler 2013, listing 3: cycle walking over a hash of the next power of two; the last
+// sum, which overflows there, is kept below 2 length).
 static inline uint permute(uint i, uint length, uint seed)
 {
     uint mask = length - 1u;
@@ -32,7 +33,7 @@ static inline uint permute(uint i, uint length, uint seed)
         i &= mask;
         i ^= i >> 5;
     } while (i >= length);
-    return (i + seed) % length;
+    return (i + seed % length) % length;
 }
 
 // Stratum of `count`, jittered, as 32 bits of the unit interval.
