@@ -29,7 +29,7 @@ static inline void bvh8_block_test(const triangle_ray_t *ray, global const float
     least = edge_c < least ? edge_c : least;
     most = edge_c > most ? edge_c : most;
     int8 inside = ~((least < 0.0f) & (most > 0.0f));  // NaN, of products that overflowed, is left in doubt
-    result->met = bvh8_lanes(~outside);
+    result->met = bvh8_lanes(inside);
     result->doubt = 0UL;
     if (result->met == 0UL)
         return;
@@ -44,11 +44,16 @@ static inline void bvh8_block_test(const triangle_ray_t *ray, global const float
     float8 error = (bvh8_abs(a0x) * (bvh8_abs(yz) + bvh8_abs(zy)) + bvh8_abs(a0y) * (bvh8_abs(zx) + bvh8_abs(xz))
                     + bvh8_abs(az) * (bvh8_abs(xy) + bvh8_abs(yx))) * (8.0f * 0x1p-24f);
     float8 slope = ray->shear.x * nx + ray->shear.y * ny + nz;
-    float8 t = height / slope * ray->shear.z;
+    float8 z = height / slope, low = az < bz ? az : bz, high = az > bz ? az : bz;
+    low = cz < low ? cz : low;
+    high = cz > high ? cz : high;
+    z = z < low ? low : z;
+    z = z > high ? high : z;
+    float8 t = z * ray->shear.z;
     float8 area = bvh8_abs(nx) + bvh8_abs(ny) + bvh8_abs(nz);
     doubt |= ~((area > 0x1p-100f) & (area < 0x1p100f));
-    result->met = bvh8_lanes(~outside & ~doubt & (bvh8_abs(height) > error) & (t > 0.0f) & (t < t_max));
-    result->doubt = bvh8_lanes(~outside & doubt);
+    result->met = bvh8_lanes(inside & ~doubt & (bvh8_abs(height) > error) & (t > 0.0f) & (t < t_max));
+    result->doubt = bvh8_lanes(inside & doubt);
     result->t.all = t;
     result->u.all = edge_b / determinant;
     result->v.all = edge_c / determinant;
