@@ -6,6 +6,7 @@ import resource
 import sys
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from lumiere.compile.features import AOV_CHANNELS
 from lumiere.compile.scene import compile_scene
 from lumiere.film.image import Image
 from lumiere.film.progress import Progress
+from lumiere.overrides import Overrides
 from lumiere.scene.model import Scene
 from lumiere.wavefront.batch import Batch, passes, pixel_order
 from lumiere.wavefront.loop import Wavefront
@@ -28,16 +30,18 @@ SECONDS_A_BATCH = 1.0
 class Render:
     """A render from scene to Image. Raises DeviceError where the device cannot do it."""
 
-    def __init__(self, scene: Scene, device: str | int | None = None, load_seconds: float = 0.0) -> None:
+    def __init__(self, scene: Scene, device: str | int | None = None, load_seconds: float = 0.0,
+                 overrides: Overrides | None = None) -> None:
         import pyopencl as cl
 
         from lumiere.device.select import choose
 
+        overrides = overrides or Overrides()
         self.scene = scene
         self.seconds = {"load": load_seconds, "accelerator": 0.0, "compile": 0.0, "render": 0.0}
         self.device = choose(device)
         begin = time.perf_counter()
-        buffers = compile_scene(scene, wide=not is_gpu(self.device))
+        buffers = compile_scene(scene, wide=not is_gpu(self.device), choose_accelerator=overrides.accelerator)
         accelerator = buffers.seconds.get("accelerator", 0.0)
         self.seconds["load"] += time.perf_counter() - begin - accelerator
         self.seconds["accelerator"] = accelerator
@@ -47,11 +51,21 @@ class Render:
         self.samples = self.width * self.height * scene.sampler.spp
         bytes_per_path = 4 * sum(words_per_path(buffers.features))
         policy = policy_for(self.device, self.samples, bytes_per_path, 4 * buffers.features.channel_count())
+        if overrides.slots is not None:
+            policy = replace(policy, slots=-(-overrides.slots // policy.work_group) * policy.work_group)
         context = cl.Context([self.device])
-        self.wavefront = Wavefront(buffers, policy, context, cl.CommandQueue(context, self.device), self.width * self.height)
+        self.wavefront = Wavefront(buffers, policy, context, cl.CommandQueue(context, self.device), self.width * self.height,
+                                   compiler_options=overrides.compiler_options)
         self.seconds["compile"] = time.perf_counter() - begin
         self.counts = np.zeros(self.width * self.height, dtype=np.int64)
         """Samples that each pixel, in device order, has got."""
+
+    def restart(self, seed: int) -> None:
+        """Forgets the samples; those that come next are another seed's."""
+        self.scene = replace(self.scene, sampler=replace(self.scene.sampler, seed=seed))
+        self.wavefront.restart(seed)
+        self.counts[:] = 0
+        self.seconds["render"] = 0.0
 
     def run(self, *, time_limit: float | None = None, progress: Callable[[Progress], None] | None = None,
             stop: Callable[[], bool] | None = None) -> None:

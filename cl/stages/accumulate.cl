@@ -6,13 +6,22 @@
 #include "lib/math.cl"
 
 kernel WORK_GROUP void accumulate(global const float *samples, uint sample_stride, global float *film, uint film_stride,
-                                  global uint *non_finite, global const batch_t *batch)
+                                  global uint *non_finite, global const batch_t *batch
+#ifdef PIXEL_LIST
+                                  , global const uint *pixel_list
+#endif
+                                  )
 {
     uint pixel = (uint)get_global_id(0);
     if (pixel >= batch->pixel_count)
         return;
     uint count = batch->samples_a_pixel;
-    global float *out = film + batch->first_pixel + pixel;
+#ifdef PIXEL_LIST
+    uint ordinal = pixel_list[pixel];
+#else
+    uint ordinal = batch->first_pixel + pixel;
+#endif
+    global float *out = film + ordinal;
     for (uint channel = 0u; channel < CHANNEL_COUNT; ++channel) {
         global float *sum_at = out + (size_t)(2u * channel) * film_stride, *error_at = sum_at + film_stride;
         float sum = *sum_at, error = *error_at;
@@ -24,7 +33,7 @@ kernel WORK_GROUP void accumulate(global const float *samples, uint sample_strid
             if (!isfinite(x)) {
                 uint known = atomic_inc(non_finite);
                 if (known < NON_FINITE_KEPT) {
-                    non_finite[1u + 2u * known] = batch->first_pixel + pixel;
+                    non_finite[1u + 2u * known] = ordinal;
                     non_finite[2u + 2u * known] = index;
                 }
                 x = 0.0f;

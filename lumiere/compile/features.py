@@ -50,6 +50,8 @@ class Features:
     surface_uv: bool = False
     surface_tangent: bool = False
     surface_color: bool = False
+    pixel_list: bool = False
+    """Batches name their pixels one by one."""
     aovs: tuple[str, ...] = ()
     specular_bsdfs: tuple[str, ...] = field(default=())
     """BSDF kinds that have Dirac lobes only, and so no light sampling."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from lumiere.accel import choose
+from lumiere.accel import Accelerator, choose
 from lumiere.bsdf import Material
 from lumiere.shape import DeviceShape, Primitives, Shape
 from lumiere.texture import Texture
@@ -59,7 +60,8 @@ class Vertices:
         return (primitives.indices + first).astype(np.uint32)
 
 
-def group_shapes(objects: list[Object], keep: tuple[str, ...], wide: bool) -> tuple[list[ShapeGroup], Vertices]:
+def group_shapes(objects: list[Object], keep: tuple[str, ...], wide: bool,
+                 choose_accelerator: Callable[[str, int, bool, bool], Accelerator] = choose) -> tuple[list[ShapeGroup], Vertices]:
     """One group for each device shape that ``objects`` hold, triangles first. ``keep`` names what vertices carry that the scene uses
     (``normals``, ``uvs``, ``colors``); ``wide``: the device has wide vectors.
     """
@@ -76,7 +78,7 @@ def group_shapes(objects: list[Object], keep: tuple[str, ...], wide: bool) -> tu
         corners = None
         if device_shape.name == "triangle" and any(_carries(objects[i].primitives, keep) for i in members):
             corners = np.concatenate([vertices.add(_only(objects[i].primitives, keep)) for i in members])
-        accelerator = choose(device_shape.name, len(records), device_shape.bounded, wide)
+        accelerator = choose_accelerator(device_shape.name, len(records), device_shape.bounded, wide)
         buffers: dict[str, np.ndarray] = {}
         if device_shape.bounded:
             topology = accelerator.build(*device_shape.bounds(records))

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from lumiere.accel import Accelerator, choose
 from lumiere.bsdf import Material
 from lumiere.bsdf.lambert import Lambert
 from lumiere.camera import Camera
@@ -55,7 +57,8 @@ class SceneBuffers:
         return "\n".join(c_struct(name, dtype) for name, dtype in self.structs.items())
 
 
-def compile_scene(scene: Scene, *, wide: bool = True) -> SceneBuffers:
+def compile_scene(scene: Scene, *, wide: bool = True,
+                  choose_accelerator: Callable[[str, int, bool, bool], Accelerator] = choose) -> SceneBuffers:
     """Compiles a validated scene, for a device with wide vectors (CPUs) or without. Raises SceneError where a file that it names is not what it should be."""
     objects, lights = _lower(scene)
     textures = TextureTable()
@@ -74,7 +77,7 @@ def compile_scene(scene: Scene, *, wide: bool = True) -> SceneBuffers:
     has_normals = any(o.primitives.normals is not None for o in objects)
     keep = (("normals",) if has_normals else ()) + (("uvs",) if uses_uv else ()) + (("colors",) if "color" in textures.uses else ())
     begin = time.perf_counter()
-    groups, vertices = group_shapes(objects, keep, wide)
+    groups, vertices = group_shapes(objects, keep, wide, choose_accelerator)
     accelerator_seconds = time.perf_counter() - begin
     center, radius = scene_bounds(groups)
     table = light_table(lights, objects, groups, radius)
@@ -84,6 +87,9 @@ def compile_scene(scene: Scene, *, wide: bool = True) -> SceneBuffers:
                          uses_uv=uses_uv, tangent=tangent, textured_emission=any(isinstance(o.emission, Texture) for o in objects))
     buffers = SceneBuffers(features, bsdf_parameters={kind: materials.parameters[kind] for kind in sorted(materials.members)})
     buffers.seconds["accelerator"] = accelerator_seconds
+    if features.pixel_list:
+        x0, y0, x1, y1 = scene.film.window
+        buffers.add("pixel_list", "uint", np.arange((x1 - x0) * (y1 - y0), dtype=np.uint32))
     for o in objects:
         for reason, count in o.primitives.dropped.items():
             buffers.dropped[reason] = buffers.dropped.get(reason, 0) + count
@@ -200,6 +206,7 @@ def _features(scene: Scene, objects: list[Object], groups: list[ShapeGroup], ver
         vertex_uvs=uses_uv and any(o.primitives.uvs is not None for o in objects),
         vertex_colors=colors and any(o.primitives.colors is not None for o in objects),
         surface_uv=uses_uv, surface_tangent=tangent, surface_color=colors,
+        pixel_list=scene.sampler.adaptive is not None,
         aovs=tuple(name for name in scene.film.aovs if name not in ("sample_count", "variance")), specular_bsdfs=specular)
 
 

@@ -12,17 +12,28 @@ BATCH = np.dtype([("first_pixel", "<u4"), ("pixel_count", "<u4"), ("samples_a_pi
 
 @dataclass(frozen=True)
 class Batch:
-    """Samples ``first_sample`` … of the pixels ``first_pixel`` …, numbered through the crop in tiles of 8 × 8."""
+    """Samples ``first_sample`` … of the pixels ``first_pixel`` …, numbered through the crop in tiles of 8 × 8.
+
+    Where the scene samples adaptively the device reads a list of pixels, and ``first_pixel`` is a place in it: ``pixels`` is that list,
+    or None for all pixels in order.
+    """
 
     first_pixel: int
     pixel_count: int
     samples_a_pixel: int
     first_sample: int
+    pixels: np.ndarray | None = None
 
     @property
     def sample_count(self) -> int:
         """Samples of the batch."""
         return self.pixel_count * self.samples_a_pixel
+
+    def listed(self) -> np.ndarray:
+        """Numbers of the batch's pixels, uint32."""
+        if self.pixels is None:
+            return np.arange(self.first_pixel, self.first_pixel + self.pixel_count, dtype=np.uint32)
+        return np.ascontiguousarray(self.pixels[self.first_pixel:self.first_pixel + self.pixel_count], dtype=np.uint32)
 
     def record(self) -> np.ndarray:
         """The batch as the device reads it."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,9 @@ class Wavefront:
     pixels: int
     builds: list[Build] = field(default_factory=list)
     rays: RayCounts = field(default_factory=RayCounts)
+    observer: Callable[[str, int, Any], None] | None = None
+    """Told each launch's stage, round and event; the queue must then have been made with profiling."""
+    compiler_options: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         features, policy = self.buffers.features, self.policy
@@ -53,7 +57,8 @@ class Wavefront:
         self._film = allocate("the film", 4 * self.film_arrays * self.film_stride)
         self._non_finite = allocate("the list of non-finite samples", 4 * (1 + 2 * NON_FINITE_KEPT))
         self._batch = allocate("the batch", BATCH.itemsize)
-        self.builds = build_all(program_sources(self.buffers, policy), self.context, self.queue.device)
+        sources = [replace(source, options=self.compiler_options) for source in program_sources(self.buffers, policy)]
+        self.builds = build_all(sources, self.context, self.queue.device)
         self._arguments = [path_floats, path_uints, np.uint32(stride), self._queue_slots, self._counters, np.uint32(policy.slots)]
         self._rounds = [[self._stage(build, parity) for build in self.builds[:-1]] for parity in (0, 1)]
         self._accumulate = self._accumulate_kernel(self.builds[-1])
@@ -74,8 +79,24 @@ class Wavefront:
         import pyopencl as cl
 
         kernel = cl.Kernel(build.program, "accumulate")
-        kernel.set_args(self._samples, np.uint32(self.sample_stride), self._film, np.uint32(self.film_stride), self._non_finite, self._batch)
+        listed = [self._array("pixel_list")] if self.buffers.features.pixel_list else []
+        kernel.set_args(self._samples, np.uint32(self.sample_stride), self._film, np.uint32(self.film_stride), self._non_finite, self._batch,
+                        *listed)
         return kernel
+
+    def _array(self, name: str) -> Any:
+        """The device's buffer of one of the scene's arrays."""
+        return self._scene[list(self.buffers.arrays).index(name)]
+
+    def restart(self, seed: int) -> None:
+        """An empty film, whose samples come from another seed."""
+        import pyopencl as cl
+
+        _, record = self.buffers.arrays["render"]
+        record["seed"] = seed
+        cl.enqueue_copy(self.queue, self._array("render"), record, is_blocking=True)
+        for buffer in (self._film, self._non_finite):
+            cl.enqueue_fill_buffer(self.queue, buffer, np.uint32(0), 0, buffer.size)
 
     def _begin(self, batch: Batch) -> None:
         """All slots idle, all counters 0."""
@@ -89,6 +110,8 @@ class Wavefront:
             cl.enqueue_fill_buffer(self.queue, self._queue_slots, np.uint32(0), 0, 8 * self.policy.slots)
         cl.enqueue_copy(self.queue, self._counters, counters, is_blocking=True)
         cl.enqueue_copy(self.queue, self._batch, batch.record(), is_blocking=True)
+        if self.buffers.features.pixel_list:
+            cl.enqueue_copy(self.queue, self._array("pixel_list"), batch.listed(), is_blocking=True)
 
     def render(self, batch: Batch) -> None:
         """Renders a batch and adds it to the film. The host looks at the counters one look behind the device, so neither waits for the other."""
@@ -97,10 +120,14 @@ class Wavefront:
         self._begin(batch)
         group, size = (self.policy.work_group,), (self.policy.slots,)
         pending: tuple[Any, np.ndarray] | None = None
+        done = 0
         while True:
             for number in range(self.policy.rounds):
-                for kernel in self._rounds[number % 2]:
-                    cl.enqueue_nd_range_kernel(self.queue, kernel, size, group)
+                for build, kernel in zip(self.builds, self._rounds[number % 2], strict=False):
+                    event = cl.enqueue_nd_range_kernel(self.queue, kernel, size, group)
+                    if self.observer is not None:
+                        self.observer(build.name, done + number, event)
+            done += self.policy.rounds
             counters = np.zeros(counter_count(self.buffers.features), dtype=np.uint32)
             look = cl.enqueue_copy(self.queue, counters, self._counters, is_blocking=False)
             self.queue.flush()
@@ -110,7 +137,9 @@ class Wavefront:
                     break
             pending = (look, counters)
         pixels = -(-batch.pixel_count // self.policy.work_group) * self.policy.work_group
-        cl.enqueue_nd_range_kernel(self.queue, self._accumulate, (pixels,), group)
+        event = cl.enqueue_nd_range_kernel(self.queue, self._accumulate, (pixels,), group)
+        if self.observer is not None:
+            self.observer("accumulate", done, event)
         look.wait()
         self.rays.nearest += int(counters[len(self.queues) + COUNTERS.index("RAYS")])
         self.rays.shadow += int(counters[len(self.queues) + COUNTERS.index("SHADOW_RAYS")])

@@ -36,6 +36,7 @@ def _defines(features: Features, policy: Policy) -> str:
         "EMISSION": features.emission, "EMITTERS": features.emitters, "TEXTURED_EMISSION": features.textured_emission,
         "PATH_BSDF_PDF": features.bsdf_pdf, "PATH_ETA_SCALE": features.eta_scale, "CAMERA_LENS": features.camera_lens,
         "CAMERA_PARTIAL": features.camera_partial, "FILTER_TABLE": features.filter_table, "CLAMP_INDIRECT": features.clamp_indirect,
+        "PIXEL_LIST": features.pixel_list,
         "VISIBILITY": features.visibility, "OPACITY": features.opacity, "TEXTURED_OPACITY": features.textured_opacity,
         "NORMAL_MAP": features.normal_map, "BUMP_MAP": features.bump_map, "TRIANGLE_CORNERS": features.triangle_corners, "VERTEX_NORMALS": features.vertex_normals,
         "VERTEX_UVS": features.vertex_uvs, "VERTEX_COLORS": features.vertex_colors, "SURFACE_UV": features.surface_uv,
