@@ -59,6 +59,8 @@ def _collapse(topology: Topology) -> np.ndarray:
     """
     area = half_area(topology.lower.T, topology.upper.T)
     levels = []
+    if not len(topology.left):
+        return np.zeros((0, WIDTH), np.int64)
     if topology.leaves[0]:
         levels.append(np.array([[0] + [-1] * (WIDTH - 1)]))
         return levels[0]

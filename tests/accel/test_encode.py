@@ -14,6 +14,9 @@ from lumiere.accel.bvh2 import Bvh2
 from lumiere.accel.flat import Flat
 from lumiere.paths import cl_root
 
+RECORDS = np.zeros(0)
+"""These encoders write boxes only."""
+
 
 def leaves_of(arrays: dict[str, np.ndarray]) -> list[tuple[int, int, np.ndarray]]:
     """First primitive, count and box (2, 3) of every leaf that has a box, in the order of a depth-first walk that checks the boxes above."""
@@ -39,7 +42,7 @@ def test_bvh2_holds_every_primitive_once(n: int) -> None:
     lower = np.random.default_rng(n).random((n, 3)).astype(np.float32)
     upper = lower + np.float32(0.01)
     topology = Bvh2().build(lower, upper)
-    arrays = Bvh2().encode(topology)
+    arrays = Bvh2().encode(topology, RECORDS)
     assert arrays["nodes"].dtype == np.float32 and arrays["nodes"].shape == (len(arrays["children"]), 12)
     assert arrays["children"].dtype == np.uint32 and arrays["children"].shape[1] == 2
     held = np.zeros(n, int)
@@ -52,7 +55,7 @@ def test_bvh2_holds_every_primitive_once(n: int) -> None:
 
 def test_a_left_child_follows_its_parent() -> None:
     lower = np.random.default_rng(1).random((1000, 3)).astype(np.float32)
-    left = Bvh2().encode(build(lower, lower))["children"][:, 0].astype(np.int64)
+    left = Bvh2().encode(build(lower, lower), RECORDS)["children"][:, 0].astype(np.int64)
     inner = left >> 31 == 0
     assert inner.sum() > 100
     assert np.array_equal(left[inner], np.flatnonzero(inner) + 1)
@@ -62,10 +65,10 @@ def test_what_a_reference_cannot_hold_is_refused() -> None:
     lower = np.zeros((9, 3), np.float32)
     topology = build(lower, lower, max_leaf_size=9)
     with pytest.raises(ValueError, match="a leaf of 9 primitives, expected at most 8"):
-        Bvh2().encode(topology)
+        Bvh2().encode(topology, RECORDS)
     too_many = np.broadcast_to(np.uint32(0), (1 << 28) + 1)
     with pytest.raises(ValueError, match="found 268435457 primitives, expected at most 268435456"):
-        Bvh2().encode(replace(topology, order=too_many))
+        Bvh2().encode(replace(topology, order=too_many), RECORDS)
 
 
 def test_the_stack_is_as_deep_as_a_tree_may_be() -> None:
@@ -76,12 +79,14 @@ def test_the_stack_is_as_deep_as_a_tree_may_be() -> None:
 def test_flat_keeps_the_order_and_takes_infinite_boxes() -> None:
     lower = np.full((3, 3), -np.inf, np.float32)
     topology = Flat().build(lower, -lower)
-    assert topology.order.tolist() == [0, 1, 2] and Flat().encode(topology) == {}
+    assert topology.order.tolist() == [0, 1, 2] and Flat().encode(topology, RECORDS) == {}
 
 
 def test_choose() -> None:
-    assert choose(FLAT_UP_TO, bounded=True).name == "flat"
-    assert choose(FLAT_UP_TO + 1, bounded=True).name == "bvh2"
-    assert choose(1000, bounded=False).name == "flat"
-    for name in ("flat", "bvh2"):
+    assert choose("triangle", FLAT_UP_TO, bounded=True, wide=True).name == "flat"
+    assert choose("triangle", FLAT_UP_TO + 1, bounded=True, wide=True).name == "bvh8"
+    assert choose("triangle", FLAT_UP_TO + 1, bounded=True, wide=False).name == "bvh2"
+    assert choose("sphere", FLAT_UP_TO + 1, bounded=True, wide=True).name == "bvh2"
+    assert choose("plane", 1000, bounded=False, wide=True).name == "flat"
+    for name in ("flat", "bvh2", "bvh8"):
         assert (cl_root() / f"accel/{name}.cl").is_file()

@@ -8,17 +8,20 @@ import numpy as np
 import pyopencl as cl
 import pytest
 
+from lumiere.accel import Accelerator
 from lumiere.accel.build import MAX_DEPTH, Topology
-from lumiere.accel.bvh2 import Bvh2
 from lumiere.accel.flat import Flat
 from lumiere.device.source import assemble, template
-from tests.accel.tracer import NONE, SCENE, SHAPE, Tracer
+from tests.accel.tracer import ACCELERATORS, NONE, SHAPE, TREES, Tracer, scene_struct
 
 ASSETS = Path(__file__).parents[3] / "shared" / "assets"
 MESHES = ["alien.glb", "alpha_blend_mode.glb", "flight_helmet/FlightHelmet.gltf", "fuze/fuze.obj", "spot/spot.obj", "spot_closed.ply",
           "spot_valley.glb", "broken/degenerate.ply", "broken/nan_inf.ply", "broken/soup.stl"]
 TESTS = 6e7
 """Triangle tests of the plain list for one mesh: about a second on two CPU cores."""
+
+every_accelerator = pytest.mark.parametrize("accelerator", ACCELERATORS, ids=lambda a: a.name)
+every_tree = pytest.mark.parametrize("tree", TREES, ids=lambda a: a.name)
 
 
 def mesh_triangles(name: str) -> np.ndarray:
@@ -55,18 +58,20 @@ def test_tree_and_list_agree(device: cl.Device, name: str) -> None:
     triangles = mesh_triangles(name)
     n = 100_000
     origins, directions = rays_around(triangles, n, np.random.default_rng(11))
-    tree, plain = Tracer(device, triangles, Bvh2()), Tracer(device, triangles, Flat())
-    hits = tree.nearest(origins, directions)
-    met = hits[1] != NONE
-    assert 0.2 < met.mean() < 1.0
-    assert np.array_equal(tree.occluded(origins, directions), met)
-    # Just short of the hit and just beyond it.
-    for factor, expected in ((1.0, False), (1.0 + 2.0**-23, True)):
-        assert (tree.occluded(origins[met], directions[met], hits[0][met, 0] * np.float32(factor)) == expected).all()
-
     few = max(16, min(n, int(TESTS / len(triangles))))
-    assert_same_hits((hits[0][:few], hits[1][:few]), plain.nearest(origins[:few], directions[:few]))
-    assert np.array_equal(plain.occluded(origins[:few], directions[:few]), met[:few])
+    plain = Tracer(device, triangles, Flat())
+    expected = plain.nearest(origins[:few], directions[:few])
+    assert np.array_equal(plain.occluded(origins[:few], directions[:few]), expected[1] != NONE)
+    for accelerator in TREES:
+        tree = Tracer(device, triangles, accelerator)
+        hits, primitives = tree.nearest(origins, directions)
+        assert_same_hits((hits[:few], primitives[:few]), expected)
+        met = primitives != NONE
+        assert 0.2 < met.mean() < 1.0
+        assert np.array_equal(tree.occluded(origins, directions), met)
+        # Just short of the hit and just beyond it.
+        for factor, hidden in ((1.0, False), (1.0 + 2.0**-23, True)):
+            assert (tree.occluded(origins[met], directions[met], hits[met, 0] * np.float32(factor)) == hidden).all()
 
 
 def lattice() -> np.ndarray:
@@ -78,25 +83,26 @@ def lattice() -> np.ndarray:
     return np.concatenate([np.roll(plane, axis, axis=2) for axis in range(3)]).astype(np.float32)
 
 
-def test_rays_along_the_faces_of_boxes(device: cl.Device) -> None:
+@every_tree
+def test_rays_along_the_faces_of_boxes(device: cl.Device, tree: Accelerator) -> None:
     """Axis-parallel rays on integers run within the planes of nodes' boxes and through vertices: none gets lost."""
     u, v = (a.ravel() for a in np.meshgrid(np.arange(0, 16.5, 0.5), np.arange(0, 16.5, 0.5)))
-    tree = Tracer(device, lattice(), Bvh2())
+    tracer = Tracer(device, lattice(), tree)
     for axis in range(3):
         for height in (-3.0, 20.0):
             origins = np.roll(np.stack([u, v, np.full_like(u, height)], axis=1), axis, axis=1)
             for zero in (0.0, -0.0):
                 directions = np.full_like(origins, zero)
                 directions[:, (2 + axis) % 3] = -np.sign(height)
-                hits, primitives = tree.nearest(origins, directions)
+                hits, primitives = tracer.nearest(origins, directions)
                 assert (primitives != NONE).all()
                 # On the border of a plane the ray runs along another plane's border, and may meet its far edge first.
                 inside = (u > 0) & (v > 0)
                 assert (hits[inside, 0] == abs(height)).all()
 
 
-@pytest.mark.parametrize("accelerator", [Bvh2(), Flat()], ids=["bvh2", "flat"])
-def test_rays_that_are_none_meet_nothing(device: cl.Device, accelerator: Bvh2 | Flat) -> None:
+@every_accelerator
+def test_rays_that_are_none_meet_nothing(device: cl.Device, accelerator: Accelerator) -> None:
     random = np.random.default_rng(2)
     tracer = Tracer(device, random.random((500, 3, 3)), accelerator)
     origins, directions = np.full((7 * 6, 3), 0.5), np.tile(random.normal(size=(6, 3)), (7, 1))
@@ -118,10 +124,8 @@ def test_rays_that_are_none_meet_nothing(device: cl.Device, accelerator: Bvh2 | 
 @pytest.mark.parametrize("count", [0, 1, 2, 5])
 def test_few_triangles(device: cl.Device, count: int) -> None:
     triangles = np.float32([[[0, 0, z], [1, 0, z], [0, 1, z]] for z in range(1, count + 1)]).reshape(-1, 3, 3)
-    for accelerator in (Bvh2(), Flat()):
-        topology = accelerator.build(triangles.min(axis=1, initial=np.inf), triangles.max(axis=1, initial=-np.inf)) if count else None
-        topology = topology or accelerator.build(np.zeros((0, 3)), np.zeros((0, 3)))
-        tracer = Tracer(device, triangles, accelerator, topology=topology)
+    for accelerator in ACCELERATORS:
+        tracer = Tracer(device, triangles, accelerator)
         hits, primitives = tracer.nearest(np.float32([[0.25, 0.25, 0]] * 2), np.float32([[0, 0, 1], [0, 0, -1]]))
         assert primitives.tolist() == [0 if count else NONE, NONE]
         assert hits[0, 0] == (1.0 if count else np.inf)
@@ -141,11 +145,12 @@ def comb(n: int) -> Topology:
     return Topology(np.float32(lower), np.float32(upper), np.int32(left), np.uint32(first), np.uint32(count), np.arange(n, dtype=np.uint32), n - 1)
 
 
-def test_the_deepest_tree_there_can_be(device: cl.Device) -> None:
+@every_tree
+def test_the_deepest_tree_there_can_be(device: cl.Device, tree: Accelerator) -> None:
     """A ray that enters every node from its far side defers a child at each level; a missing triangle would tell of a lost one."""
     n = MAX_DEPTH + 1
     triangles = np.float32([[[0, 0, z], [1, 0, z], [0, 1, z]] for z in range(n)])
-    tracer = Tracer(device, triangles, Bvh2(), topology=comb(n))
+    tracer = Tracer(device, triangles, tree, topology=comb(n))
     origins = np.full((n, 3), 0.25)
     origins[:, 2] = n
     for origin_z, direction_z in ((n, -1), (-1, 1)):
@@ -160,8 +165,8 @@ def test_the_deepest_tree_there_can_be(device: cl.Device) -> None:
     assert (tracer.nearest(origins, np.tile([0, 0, -1.0], (n, 1)))[1] == NONE).all()
 
 
-@pytest.mark.parametrize("accelerator", [Bvh2(), Flat()], ids=["bvh2", "flat"])
-def test_hidden_primitives_are_passed_through(device: cl.Device, accelerator: Bvh2 | Flat) -> None:
+@every_accelerator
+def test_hidden_primitives_are_passed_through(device: cl.Device, accelerator: Accelerator) -> None:
     """The tracer's ``triangle_counts`` lets every fourth number count; they begin at 6 here."""
     random = np.random.default_rng(4)
     triangles = random.random((400, 3, 3)).astype(np.float32)
@@ -180,7 +185,7 @@ def test_each_kind_of_shape_has_a_traversal_of_its_own(device: cl.Device) -> Non
     """The templates stand several times in one program, and the kinds share one shrinking hit."""
     other = "#define copy_ray_t triangle_ray_t\n#define copy_prepare triangle_prepare\n#define copy_intersect triangle_intersect\n"
     undefine = "#undef SHAPE\n#undef SHAPE_FIRST\n"
-    text = SCENE + SHAPE + template("accel/bvh2.cl") + other
+    text = scene_struct({"nodes": "float", "children": "uint", "vertices": "float"}) + SHAPE + template("accel/bvh2.cl") + other
     for layout in ("bvh2", "flat"):
         text += undefine + f"#define SHAPE copy\n#define SHAPE_FIRST 100\n{template(f'accel/{layout}.cl')}#undef copy\n"
         text = text.replace("#undef copy\n", "#define copy_nearest listed_nearest\n#define copy_occluded listed_occluded\n", 1)

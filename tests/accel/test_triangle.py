@@ -6,11 +6,11 @@ import numpy as np
 import pyopencl as cl
 import pytest
 
-from lumiere.accel.bvh2 import Bvh2
+from lumiere.accel import Accelerator
 from lumiere.accel.flat import Flat
 from lumiere.device.source import assemble
-from tests.accel.test_traversal import assert_same_hits, lattice, mesh_triangles, rays_around
-from tests.accel.tracer import NONE, Tracer
+from tests.accel.test_traversal import assert_same_hits, every_accelerator, every_tree, lattice, mesh_triangles, rays_around
+from tests.accel.tracer import ACCELERATORS, NONE, Tracer
 
 
 def run(device: cl.Device, body: str, *columns: np.ndarray) -> np.ndarray:
@@ -59,7 +59,8 @@ def winding(triangles: np.ndarray, point: np.ndarray) -> float:
     return float(np.arctan2(determinant, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb).sum() / (2 * np.pi))
 
 
-def test_a_closed_mesh_has_no_gaps(device: cl.Device) -> None:
+@every_tree
+def test_a_closed_mesh_has_no_gaps(device: cl.Device, tree: Accelerator) -> None:
     """From inside towards every vertex and many points of every edge: each ray has to meet the mesh."""
     triangles = mesh_triangles("spot_closed.ply")
     random = np.random.default_rng(6)
@@ -69,11 +70,11 @@ def test_a_closed_mesh_has_no_gaps(device: cl.Device) -> None:
     weights = random.random((12, 1, 1))
     weights[:2, 0, 0] = 0.0, 0.5
     targets = np.concatenate([triangles + w * (np.roll(triangles, 1, axis=1) - triangles) for w in weights]).reshape(-1, 3)
-    tree = Tracer(device, triangles, Bvh2())
+    tracer = Tracer(device, triangles, tree)
     for origin in inside[:8]:
         directions = (targets - origin).astype(np.float32)
-        assert (tree.nearest(origin, directions)[1] != NONE).all()
-        assert tree.occluded(origin, directions).all()
+        assert (tracer.nearest(origin, directions)[1] != NONE).all()
+        assert tracer.occluded(origin, directions).all()
 
 
 def test_edges_and_vertices_belong_to_the_triangle(device: cl.Device) -> None:
@@ -81,19 +82,20 @@ def test_edges_and_vertices_belong_to_the_triangle(device: cl.Device) -> None:
     points = np.stack(np.meshgrid(np.arange(1, 16, 0.5), np.arange(1, 16, 0.5), [0.0]), axis=-1).reshape(-1, 3)
     plane = lattice()[:512]
     for offset in ((0, 0, 4), (1, 0, 4), (-3, 2, 8), (8, -8, 2), (5, 5, -1)):
-        for accelerator in (Bvh2(), Flat()):
+        for accelerator in ACCELERATORS:
             hits, primitives = Tracer(device, plane, accelerator).nearest(points + offset, -np.float64(offset) * np.ones_like(points))
             assert (primitives != NONE).all()
             assert (hits[:, 0] == 1.0).all()
 
 
-def test_hits_lie_on_the_triangle(device: cl.Device) -> None:
+@every_accelerator
+def test_hits_lie_on_the_triangle(device: cl.Device, accelerator: Accelerator) -> None:
     """Against double precision: the distance from the plane, which no grazing angle worsens, and where the barycentrics say it is."""
     random = np.random.default_rng(8)
     triangles = random.uniform(-1, 1, (300, 3, 3)).astype(np.float32)
     origins, directions = rays_around(triangles, 20_000, random)
     origins, directions = origins.astype(np.float32).astype(np.float64), directions.astype(np.float32).astype(np.float64)
-    hits, primitives = Tracer(device, triangles, Bvh2()).nearest(origins, directions)
+    hits, primitives = Tracer(device, triangles, accelerator).nearest(origins, directions)
     met = primitives != NONE
     assert met.sum() > 5000
     v0, v1, v2 = np.moveaxis(triangles[primitives[met]].astype(np.float64), 1, 0)
@@ -109,15 +111,16 @@ def test_hits_lie_on_the_triangle(device: cl.Device) -> None:
     assert (across / np.linalg.norm(directions[met], axis=1) <= bound).all()
 
 
+@every_accelerator
 @pytest.mark.parametrize("exponent", [-100, -64, 64, 100])
-def test_scale_changes_nothing(device: cl.Device, exponent: int) -> None:
+def test_scale_changes_nothing(device: cl.Device, accelerator: Accelerator, exponent: int) -> None:
     """A scene 2^k times as large is met at the same barycentrics and 2^k times the distance, to the bit."""
     random = np.random.default_rng(9)
     triangles = random.uniform(-1, 1, (300, 3, 3)).astype(np.float32)
     origins, directions = (x.astype(np.float32) for x in rays_around(triangles, 5000, random))
-    hits, primitives = Tracer(device, triangles, Bvh2()).nearest(origins, directions)
+    hits, primitives = Tracer(device, triangles, accelerator).nearest(origins, directions)
     scale = np.float32(2.0**exponent)
-    scaled = Tracer(device, triangles * scale, Bvh2()).nearest(origins * scale, directions)
+    scaled = Tracer(device, triangles * scale, accelerator).nearest(origins * scale, directions)
     assert_same_hits(scaled, (hits * np.float32([scale, 1, 1]), primitives))
 
 
@@ -131,7 +134,7 @@ def test_degenerate_triangles_are_never_met(device: cl.Device) -> None:
     origins, directions = rays_around(triangles, 40_000, random)
     vertices = triangles.reshape(-1, 3)
     directions[::2] = vertices[random.integers(len(vertices), size=20_000)] - origins[::2]
-    for accelerator in (Bvh2(), Flat()):
+    for accelerator in ACCELERATORS:
         assert (Tracer(device, triangles, accelerator).nearest(origins, directions)[1] == NONE).all()
 
 

@@ -1,4 +1,4 @@
-"""A device program that traces rays against triangles (and one other shape) through the accelerators."""
+"""A device program that traces rays against triangles through an accelerator."""
 
 from __future__ import annotations
 
@@ -7,20 +7,15 @@ from functools import cache
 import numpy as np
 import pyopencl as cl
 
+from lumiere.accel import Accelerator
 from lumiere.accel.build import Topology
 from lumiere.accel.bvh2 import Bvh2
+from lumiere.accel.bvh8 import Bvh8
 from lumiere.accel.flat import Flat
 from lumiere.device.source import assemble, template
 
-SCENE = """
-typedef struct {
-    global const float *triangle_nodes;
-    global const uint *triangle_children;
-    global const float *triangle_vertices;
-    uint triangle_count;
-    uint triangle_first;
-} scene_t;
-"""
+ACCELERATORS: list[Accelerator] = [Flat(), Bvh2(), Bvh8()]
+TREES = ACCELERATORS[1:]
 
 SHAPE = """
 #include "shape/triangle_test.cl"
@@ -39,13 +34,14 @@ bool triangle_counts(const scene_t *scene, uint index, const ray_t *ray, const h
 KERNEL = """
 // Else Intel's compiler runs several rays in lockstep, five times slower.
 __attribute__((vec_type_hint(float8)))
-kernel void trace(global const float *nodes, global const uint *children, global const float *vertices, const uint count, const uint first,
+kernel void trace(%s
+                  const uint count, const uint first,
                   global const float *rays, const uint ray_count, const int any_hit, global float *hits, global uint *primitives)
 {
     uint i = get_global_id(0);
     if (i >= ray_count)
         return;
-    scene_t scene_here = {nodes, children, vertices, count, first};
+    scene_t scene_here = {%s count, first};
     const scene_t *scene = &scene_here;
     ray_t ray;
     ray.o = vload3(0, rays + 7 * (size_t)i);
@@ -66,26 +62,35 @@ kernel void trace(global const float *nodes, global const uint *children, global
 NONE = 0xFFFFFFFF
 
 
+def scene_struct(arrays: dict[str, str]) -> str:
+    """``scene_t`` with an encoder's arrays, given by name and C type."""
+    fields = "".join(f"    global const {c_type} *triangle_{name};\n" for name, c_type in arrays.items())
+    return f"typedef struct {{\n{fields}    uint triangle_count;\n    uint triangle_first;\n}} scene_t;\n"
+
+
 @cache
-def _program(device: cl.Device, layout: str, defines: str) -> tuple[cl.Context, cl.CommandQueue, cl.Kernel]:
+def _program(device: cl.Device, layout: str, arrays: tuple[tuple[str, str], ...], defines: str) -> tuple[cl.Context, cl.CommandQueue, cl.Kernel]:
     context = cl.Context([device])
-    text = assemble("trace.cl", defines, {"trace.cl": SCENE + SHAPE + template(f"accel/{layout}.cl") + KERNEL})
+    kernel = KERNEL % ("".join(f"global const {c_type} *{name}, " for name, c_type in arrays), "".join(f"{name}, " for name, _ in arrays))
+    text = assemble("trace.cl", defines, {"trace.cl": scene_struct(dict(arrays)) + SHAPE + template(f"accel/{layout}.cl") + kernel})
     return context, cl.CommandQueue(context), cl.Kernel(cl.Program(context, text).build(), "trace")
 
 
 class Tracer:
     """Triangles (n, 3, 3) float32 behind an accelerator on a device. Primitives come back as indices into what was given, NONE for a miss."""
 
-    def __init__(self, device: cl.Device, triangles: np.ndarray, accelerator: Bvh2 | Flat, *, topology: Topology | None = None,
+    def __init__(self, device: cl.Device, triangles: np.ndarray, accelerator: Accelerator, *, topology: Topology | None = None,
                  defines: str = "", first: int = 0) -> None:
         triangles = np.ascontiguousarray(triangles, np.float32)
-        self.context, self.queue, self.kernel = _program(device, accelerator.name, defines)
         self.count, self.first = len(triangles), first
-        topology = topology or accelerator.build(triangles.min(axis=1), triangles.max(axis=1))
+        topology = topology or accelerator.build(triangles.min(axis=1, initial=np.inf), triangles.max(axis=1, initial=-np.inf))
         self.order = topology.order
-        arrays = accelerator.encode(topology)
-        self.buffers = [self._upload(a) for a in (arrays.get("nodes", np.zeros(12, np.float32)),
-                                                  arrays.get("children", np.zeros(2, np.uint32)), triangles[self.order])]
+        records = np.zeros(len(triangles), np.dtype([("vertices", "<f4", (3, 3))]))
+        records["vertices"] = triangles[self.order]
+        arrays = accelerator.encode(topology, records) | {"vertices": records["vertices"]}
+        types = tuple((name, {"f": "float", "u": "uint"}[array.dtype.kind]) for name, array in arrays.items())
+        self.context, self.queue, self.kernel = _program(device, accelerator.name, types, defines)
+        self.buffers = [self._upload(array) for array in arrays.values()]
 
     def _upload(self, array: np.ndarray) -> cl.Buffer:
         array = np.ascontiguousarray(array) if array.size else np.zeros(16, np.float32)
