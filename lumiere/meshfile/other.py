@@ -1,7 +1,8 @@
-"""STL, and whatever else trimesh knows."""
+"""STL and OFF, and whatever else trimesh knows."""
 
 from __future__ import annotations
 
+import re
 import struct
 from pathlib import Path
 
@@ -35,6 +36,8 @@ def read_other(path: Path, materials: bool) -> list[MeshPart]:
         hint = f"; did you mean {close}?" if close else ""
         raise MeshFileError(f"found a file of type {suffix!r}, expected one of {', '.join(known)}{hint}")
     _check_archive(path)
+    if suffix == "off":
+        _check_off(path.read_bytes())
     return [part for part, _ in read_with_trimesh(path.read_bytes(), suffix)]
 
 
@@ -46,3 +49,16 @@ def _check_archive(path: Path) -> None:
             unpacked = sum(entry.file_size for entry in archive.infolist())
         if unpacked > MAX_UNPACKED:
             raise MeshFileError(f"found an archive that unpacks to {unpacked} bytes, expected at most {MAX_UNPACKED}")
+
+
+def _check_off(data: bytes) -> None:
+    """The rows that an OFF file promises are there; trimesh does with fewer."""
+    text = re.sub(rb"#[^\n]*", b"", data).partition(b"OFF")[2]
+    rows = [row.split() for row in text.splitlines() if row.strip()]
+    try:
+        vertices, faces = int(rows[0][0]), int(rows[0][1])
+        whole = len(rows) > vertices + faces and all(len(row) > int(row[0]) >= 3 for row in rows[1 + vertices : 1 + vertices + faces])
+    except (IndexError, ValueError):
+        raise MeshFileError("found no counts of vertices and faces, expected an OFF file") from None
+    if not whole:
+        raise MeshFileError(f"found fewer whole rows than the {vertices} vertices and {faces} faces promised; it may be cut off")

@@ -94,14 +94,20 @@ def _parts(scene: Any, mesh_class: type) -> Iterator[tuple[MeshPart, Any]]:
 
 
 def _part(mesh: Any) -> MeshPart:
-    from lumiere.compile.textures import srgb_decode
-
     vertices = np.array(mesh.vertices, np.float64)
     # trimesh makes normals up where the file has none; those that it read lie in its cache from the start.
     normals = np.array(mesh.vertex_normals, np.float64) if "vertex_normals" in mesh._cache else None
     uvs = colors = None
     if mesh.visual.kind == "texture" and mesh.visual.uv is not None:
         uvs = np.array(mesh.visual.uv, np.float64)
+        colors = mesh.vertex_attributes.get("color")
     elif mesh.visual.kind == "vertex":
-        colors = srgb_decode(np.asarray(mesh.visual.vertex_colors)[:, :3] / 255.0)
-    return MeshPart(vertices, np.array(mesh.faces, np.int64), normals, uvs, colors)
+        colors = mesh.visual.vertex_colors
+    return MeshPart(vertices, np.array(mesh.faces, np.int64), normals, uvs, None if colors is None else _linear(np.asarray(colors)[:, :3]))
+
+
+def _linear(colors: np.ndarray) -> np.ndarray:
+    """Colours from a file: bytes are sRGB, floats are linear."""
+    from lumiere.compile.textures import srgb_decode
+
+    return srgb_decode(colors / 255.0) if colors.dtype == np.uint8 else colors.astype(np.float64)
