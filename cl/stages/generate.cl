@@ -80,12 +80,24 @@ kernel WORK_GROUP void generate(STAGE_PARAMETERS)
         counters[QUEUE_IDLE_0 + (1u - parity)] = 0u;
         counters[QUEUE_EXTEND_0 + (1u - parity)] = 0u;
     }
-    uint slot = queue_take(&queues, QUEUE_IDLE_0 + parity);
-    uint sample = counter_take(counters + COUNTER_NEXT_SAMPLE, slot != NO_SLOT, scratch);
-    bool started = slot != NO_SLOT && sample < scene.batch->sample_count;
-    if (started)
+    uint slot = queue_take(&queues, QUEUE_IDLE_0 + parity), want = slot != NO_SLOT ? 0u : NO_QUEUE;
+    local ulong *wishes = (local ulong *)(scratch + SCRATCH_WISHES);
+    group_wish(want, wishes);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    place_t place = group_place(want, wishes);
+    if (want == 0u && place.rank == 0u) {
+        uint first = atomic_add(counters + COUNTER_NEXT_SAMPLE, place.count);
+        uint started = first < scene.batch->sample_count ? min(place.count, scene.batch->sample_count - first) : 0u;
+        scratch[0] = first;
+        scratch[1] = started > 0u ? atomic_add(counters + QUEUE_EXTEND_0 + parity, started) : 0u;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    // Those that come first get the batch's last samples, so that they are also the first in the queue.
+    uint sample = scratch[0] + place.rank;
+    if (want == 0u && sample < scene.batch->sample_count) {
         start_path(&scene, &path, &samples, sample, slot);
-    queue_push(&queues, started ? QUEUE_EXTEND_0 + parity : NO_QUEUE, slot, scratch);
+        queue_store(&queues, QUEUE_EXTEND_0 + parity, scratch[1] + place.rank, slot);
+    }
 }
 
 #else

@@ -234,7 +234,8 @@ kernel WORK_GROUP void shade(STAGE_PARAMETERS)
 #endif
     }
 #ifdef NEXT_EVENT_ESTIMATION
-    queue_push_connect(&queues, connects, slot, scratch);
-#endif
+    queue_push_with_connect(&queues, next, connects, slot, scratch);
+#else
     queue_push(&queues, next, slot, scratch);
+#endif
 }

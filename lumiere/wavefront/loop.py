@@ -133,8 +133,11 @@ class Wavefront:
             self.queue.flush()
             if pending is not None:
                 pending[0].wait()
-                if pending[1][self.queues.index("EXTEND_1")] == 0:
+                live = int(pending[1][self.queues.index("EXTEND_1")])
+                if live == 0:
                     break
+                if self.policy.compacted and pending[1][len(self.queues) + COUNTERS.index("NEXT_SAMPLE")] >= batch.sample_count:
+                    size = (-(-live // group[0]) * group[0],)  # no queue grows any more
             pending = (look, counters)
         pixels = -(-batch.pixel_count // self.policy.work_group) * self.policy.work_group
         event = cl.enqueue_nd_range_kernel(self.queue, self._accumulate, (pixels,), group)

@@ -55,7 +55,9 @@ def _defines(features: Features, policy: Policy) -> str:
         "QUEUE_COUNT": f"{len(queues)}u", "SHADE_QUEUES": str(max(1, len(features.bsdfs))), "FILTER_TABLE_SIZE": f"{TABLE_SIZE}u",
         "NON_FINITE_KEPT": f"{NON_FINITE_KEPT}u", "NO_TEXTURE": f"{NO_TEXTURE}u", "OBJECT_TWO_SIDED": f"{TWO_SIDED}u",
         "OBJECT_TRANSLUCENT": f"{TRANSLUCENT}u", "OBJECT_VISIBLE_TO_CAMERA": f"{VISIBLE_TO_CAMERA}u", "OBJECT_VISIBLE_TO_SHADOW": f"{VISIBLE_TO_SHADOW}u",
-        "WORK_GROUP": f"__attribute__((reqd_work_group_size({policy.work_group}, 1, 1)))",
+        # One base a queue, then (compacted) two bytes a work-item; the census of dense queues needs three words.
+        "SCRATCH_WISHES": f"{-(-len(queues) // 2) * 2}u", "SCRATCH_SIZE": f"{-(-len(queues) // 2) * 2 + policy.work_group // 2}u",
+        "WORK_GROUP_SIZE": f"{policy.work_group}u", "WORK_GROUP": f"__attribute__((reqd_work_group_size({policy.work_group}, 1, 1)))",
     }
     lines = [f"#define {name}" for name, present in flags.items() if present]
     return "\n".join(lines + [f"#define {name} {value}" for name, value in values.items()]) + "\n"
@@ -68,7 +70,7 @@ def _scene_struct(buffers: SceneBuffers) -> str:
     parameters = ["global float *path_floats", "global uint *path_uints", "uint path_stride", "global uint *queue_slots", "global uint *counters",
                   "uint capacity", "uint parity", "global float *sample_values", "uint sample_stride", "global const batch_t *batch"]
     parameters += [f"global const {c_type} *scene_{name}" for name, (c_type, _) in buffers.arrays.items()]
-    begin = ["local uint scratch[QUEUE_COUNT + 2u];", "scene_t scene;", "scene.batch = batch;"]
+    begin = ["local uint scratch[SCRATCH_SIZE] __attribute__((aligned(8)));", "scene_t scene;", "scene.batch = batch;"]
     begin += [f"scene.{name} = scene_{name};" for name in buffers.arrays]
     begin += ["path_t path = {path_floats, path_uints, path_stride};", "samples_t samples = {sample_values, sample_stride};",
               "queues_t queues;", "queues.counters = counters;", "queues.capacity = capacity;"]
