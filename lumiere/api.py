@@ -8,7 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-
 from lumiere.errors import UsageError
 from lumiere.film.image import Image
 from lumiere.film.progress import Progress
@@ -16,7 +15,7 @@ from lumiere.scene.load import load
 from lumiere.scene.model import Scene
 
 
-def _with_options(scene: Scene, options: dict[str, Any]) -> Scene:
+def with_options(scene: Scene, options: dict[str, Any]) -> Scene:
     """A copy of ``scene`` with what the call asks for in place of the file's. Raises UsageError for a value out of range."""
     from lumiere.scene.fields import fields_of
 
@@ -49,7 +48,7 @@ def render(scene: Scene | str | Path | dict[str, Any], *, spp: int | None = None
     begin = time.perf_counter()
     loaded = load(scene) if not isinstance(scene, Scene) else scene
     options = {"spp": spp, "seed": seed, "width": width, "height": height, "crop": crop, "max_depth": max_depth}
-    loaded = _with_options(loaded, options)
+    loaded = with_options(loaded, options)
     if time_limit is not None and not time_limit > 0.0:
         raise UsageError(f"time_limit: found {time_limit}, expected seconds above 0")
     from lumiere.rendering import Render

@@ -1,5 +1,7 @@
 // The sample buffer: what each sample of the batch has gathered, one array a channel.
 
+#include "lib/math.cl"
+
 static inline void sample_add(const samples_t *samples, uint channel, uint sample, float3 value)
 {
     global float *p = samples->values + (size_t)channel * samples->stride + sample;

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 import lumiere
-from lumiere.cli import devices, render, validate
+from lumiere.cli import devices, render, tradeoff, validate
 from lumiere.errors import LumiereError, UsageError
 
-COMMANDS = (render, devices, validate)
+COMMANDS = (render, devices, validate, tradeoff)
 """One module a subcommand: ``add`` declares its arguments, ``run`` carries it out and returns the exit status."""
 
 
