@@ -46,6 +46,16 @@ static inline uint queue_take(const queues_t *queues, uint queue)
     return i < queues->counters[queue] ? queues->slots[(size_t)queue * queues->capacity + i] : NO_SLOT;
 }
 
+// Does the queue end before this work-group? Then the whole group may leave, ahead of any barrier.
+static inline bool queue_is_over(const queues_t *queues, uint queue)
+{
+#ifdef GROUPS_LEAVE  // not on PoCL 3, whose compiler crashes on a return before a barrier
+    return (uint)get_group_id(0) * WORK_GROUP_SIZE >= queues->counters[queue];
+#else
+    return false;
+#endif
+}
+
 static inline void queue_store(const queues_t *queues, uint queue, uint at, uint slot)
 {
     if (queue != NO_QUEUE)
@@ -97,6 +107,11 @@ static inline uint queue_take(const queues_t *queues, uint queue)
 {
     uint slot = (uint)get_global_id(0);
     return slot < queues->capacity && queues->tags[slot] == queue ? slot : NO_SLOT;
+}
+
+static inline bool queue_is_over(const queues_t *queues, uint queue)
+{
+    return false;
 }
 
 static inline void queue_push(const queues_t *queues, uint queue, uint slot, local uint *scratch)

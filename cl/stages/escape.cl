@@ -10,6 +10,8 @@
 kernel WORK_GROUP void escape(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
+    if (queue_is_over(&queues, QUEUE_ESCAPE))
+        return;
     uint slot = queue_take(&queues, QUEUE_ESCAPE);
     uint next = NO_QUEUE;
     if (slot != NO_SLOT) {

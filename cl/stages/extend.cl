@@ -12,12 +12,15 @@ kernel WORK_GROUP void extend(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
 #ifdef QUEUES_COMPACTED
-    uint slot = queue_take(&queues, QUEUE_EXTEND_0 + parity);
+    uint queue = QUEUE_EXTEND_0 + parity;
     uint idle = QUEUE_IDLE_0 + (1u - parity);
 #else
-    uint slot = queue_take(&queues, QUEUE_EXTEND_0);
+    uint queue = QUEUE_EXTEND_0;
     uint idle = QUEUE_IDLE_0;
 #endif
+    if (queue_is_over(&queues, queue))
+        return;
+    uint slot = queue_take(&queues, queue);
     if (get_global_id(0) == 0)
         counters[COUNTER_RAYS] += counters[QUEUE_EXTEND_0 + parity];
     uint next = NO_QUEUE;

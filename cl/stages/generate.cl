@@ -80,6 +80,8 @@ kernel WORK_GROUP void generate(STAGE_PARAMETERS)
         counters[QUEUE_IDLE_0 + (1u - parity)] = 0u;
         counters[QUEUE_EXTEND_0 + (1u - parity)] = 0u;
     }
+    if (queue_is_over(&queues, QUEUE_IDLE_0 + parity))
+        return;
     uint slot = queue_take(&queues, QUEUE_IDLE_0 + parity), want = slot != NO_SLOT ? 0u : NO_QUEUE;
     local ulong *wishes = (local ulong *)(scratch + SCRATCH_WISHES);
     group_wish(want, wishes);

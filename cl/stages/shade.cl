@@ -223,6 +223,8 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
 kernel WORK_GROUP void shade(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
+    if (queue_is_over(&queues, QUEUE_SHADE))
+        return;
     uint slot = queue_take(&queues, QUEUE_SHADE);
     bool connects = false, goes_on = false;
     uint next = NO_QUEUE;

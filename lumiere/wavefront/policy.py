@@ -9,13 +9,14 @@ from typing import Any
 @dataclass(frozen=True)
 class Policy:
     """``compacted``: queues are lists of slots (GPUs), else tags on all slots (CPUs). ``slots``: paths in flight; ``batch``: samples in one batch;
-    ``rounds``: rounds of stages queued between two looks at the counters."""
+    ``rounds``: rounds of stages queued between two looks at the counters; ``groups_leave``: work-groups beyond a queue's end return at once."""
 
     compacted: bool
     work_group: int
     slots: int
     batch: int
     rounds: int
+    groups_leave: bool = False
 
 
 def is_gpu(device: Any) -> bool:
@@ -28,8 +29,8 @@ def is_gpu(device: Any) -> bool:
 def policy_for(device: Any, samples: int, bytes_per_path: int, bytes_per_sample: int) -> Policy:
     """The policy for ``device`` (a pyopencl.Device) to render ``samples`` samples: no more slots than samples, no more memory than a quarter."""
     gpu = is_gpu(device)
-    work_group = min(64, device.max_work_group_size)
+    work_group = min(128 if gpu else 64, device.max_work_group_size)
     memory = min(device.global_mem_size // 4, device.max_mem_alloc_size)
-    slots = min(1 << 24 if gpu else 1 << 15, memory // 4 // max(1, bytes_per_path), max(1, samples))
+    slots = min(1 << 26 if gpu else 1 << 15, memory // 2 // max(1, bytes_per_path), max(1, samples))
     batch = min(1 << 26 if gpu else 1 << 20, memory // max(1, bytes_per_sample), max(1, samples))
-    return Policy(gpu, work_group, -(-slots // work_group) * work_group, batch, 8)
+    return Policy(gpu, work_group, -(-slots // work_group) * work_group, batch, 8, groups_leave=gpu)

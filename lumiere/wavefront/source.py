@@ -42,7 +42,7 @@ def _defines(features: Features, policy: Policy) -> str:
         "VERTEX_UVS": features.vertex_uvs, "VERTEX_COLORS": features.vertex_colors, "SURFACE_UV": features.surface_uv,
         "SURFACE_TANGENT": features.surface_tangent, "SURFACE_COLOR": features.surface_color,
         "INFINITE_LIGHTS": bool(features.infinite_lights), "SAMPLER_STRATA": features.sampler == "stratified",
-        "QUEUES_COMPACTED": policy.compacted, f"LIGHT_SAMPLING_{features.light_sampling.upper()}": True,
+        "QUEUES_COMPACTED": policy.compacted, "GROUPS_LEAVE": policy.groups_leave, f"LIGHT_SAMPLING_{features.light_sampling.upper()}": True,
         "FIRST_HIT_AOVS": any(name in FIRST_HIT_AOVS for name in features.aovs),
     }
     channels = features.channels()
