@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from lumiere.errors import SceneError
 from lumiere.meshfile.part import MeshFileError, MeshPart
 
@@ -18,7 +20,8 @@ def load_mesh(path: str | Path, materials: bool = True) -> list[MeshPart]:
     """
     path = Path(path)
     try:
-        parts = _reader(path)(path, materials)
+        with np.errstate(all="ignore"):  # NaN and infinities may be in the file; `clean` finds them
+            parts = _reader(path)(path, materials)
         for part in parts:
             _check(part)
         if not any(len(part.faces) for part in parts):
@@ -49,6 +52,10 @@ def _reader(path: Path) -> Callable[[Path, bool], list[MeshPart]]:
 
 def _check(part: MeshPart) -> None:
     faces, count = part.faces, len(part.vertices)
+    for name, array, shape in (("vertices", part.vertices, (count, 3)), ("faces", faces, (len(faces), 3)), ("normals", part.normals, (count, 3)),
+                               ("uvs", part.uvs, (count, 2)), ("colours", part.colors, (count, 3))):
+        if array is not None and array.shape != shape:
+            raise MeshFileError(f"found {name} of shape {array.shape}, expected {shape}")
     if len(faces) and (faces.min() < 0 or faces.max() >= count):
         worst = faces.max() if faces.max() >= count else faces.min()
         raise MeshFileError(f"found a face with vertex {worst}, expected one of the {count} vertices, 0 to {count - 1}")

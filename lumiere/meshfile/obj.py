@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 from lumiere.meshfile.part import FileMaterial, MeshFileError, MeshPart
-from lumiere.meshfile.trimesh_reader import read_with_trimesh
+from lumiere.meshfile.trimesh_reader import as_utf8, read_with_trimesh
 
 INDEX_ZERO = re.compile(rb"^f\b[^\n]*[ \t/]0+(?=[\s/]|$)", re.MULTILINE)
 RELATIVE_INDEX = re.compile(rb"^f\b[^\n]*[ \t/]-\d", re.MULTILINE)
@@ -16,7 +16,7 @@ PICTURE_OPTION = re.compile(r"-(?:(?:o|s|t)(?:\s+[-+.\deE]+){1,3}|mm\s+\S+\s+\S+
 
 def read_obj(path: Path, materials: bool) -> list[MeshPart]:
     """One part for each material of an OBJ file."""
-    data = path.read_bytes()
+    data = as_utf8(path.read_bytes())
     _check_indices(data)
     known = _library(data, path.parent) if materials else {}
     # trimesh only needs to know the names: it splits the mesh by them.
@@ -41,7 +41,7 @@ def _library(data: bytes, folder: Path) -> dict[str, FileMaterial]:
     """The materials of all files that ``mtllib`` lines name."""
     materials: dict[str, FileMaterial] = {}
     for line in re.findall(rb"^mtllib[ \t]+(.+?)\s*$", data, re.MULTILINE):
-        named = line.decode("utf-8", "replace")
+        named = line.decode("utf-8")
         for name in [named] if (folder / named).is_file() else named.split():
             materials |= _read_mtl(_beside(folder, name, "material library"))
     return materials
@@ -59,7 +59,7 @@ def _read_mtl(path: Path) -> dict[str, FileMaterial]:
     materials: dict[str, FileMaterial] = {}
     material = FileMaterial()
     shininess, shiny = 0.0, False
-    for line in path.read_text("utf-8", "replace").splitlines():
+    for line in as_utf8(path.read_bytes()).decode("utf-8").splitlines():
         key, _, rest = line.strip().replace("\t", " ").partition(" ")
         key, rest = key.lower(), rest.strip()
         try:

@@ -7,7 +7,7 @@ import struct
 from pathlib import Path
 
 from lumiere.meshfile.part import MeshFileError, MeshPart
-from lumiere.meshfile.trimesh_reader import known_suffixes, read_with_trimesh
+from lumiere.meshfile.trimesh_reader import as_utf8, known_suffixes, read_with_trimesh
 from lumiere.registry import nearest
 
 MAX_UNPACKED = 1 << 32
@@ -24,6 +24,7 @@ def read_stl(path: Path, materials: bool) -> list[MeshPart]:
             raise MeshFileError(f"found {len(data)} bytes and {promised} triangles promised, which take {84 + 50 * promised}; it may be cut off")
         if not lines[-1].strip().lower().startswith(b"endsolid"):
             raise MeshFileError("found an ASCII file that does not end with 'endsolid', expected a whole one; it may be cut off")
+        data = as_utf8(data)
     return [part for part, _ in read_with_trimesh(data, "stl")]
 
 
@@ -36,9 +37,11 @@ def read_other(path: Path, materials: bool) -> list[MeshPart]:
         hint = f"; did you mean {close}?" if close else ""
         raise MeshFileError(f"found a file of type {suffix!r}, expected one of {', '.join(known)}{hint}")
     _check_archive(path)
+    data = path.read_bytes()
     if suffix == "off":
-        _check_off(path.read_bytes())
-    return [part for part, _ in read_with_trimesh(path.read_bytes(), suffix)]
+        data = as_utf8(data)
+        _check_off(data)
+    return [part for part, _ in read_with_trimesh(data, suffix)]
 
 
 def _check_archive(path: Path) -> None:

@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from lumiere.meshfile.part import FileMaterial, MeshFileError, MeshPart
-from lumiere.meshfile.trimesh_reader import read_with_trimesh
+from lumiere.meshfile.trimesh_reader import as_utf8, read_with_trimesh
 
 
 def read_ply(path: Path, materials: bool) -> list[MeshPart]:
     """The one mesh of a PLY file, with the texture that a comment ``TextureFile`` names."""
     data = path.read_bytes()
     header, body = _header(data)
+    data = as_utf8(header) + data[len(header) :]
     _check_counts(header, body)
     # uvs at the corners of faces part the vertices, and trimesh then loses what else they carry.
     at_corners = re.search(rb"^property\s+list\s+\S+\s+\S+\s+texcoord\s*$", header, re.MULTILINE) is not None
@@ -32,7 +33,7 @@ def _header(data: bytes) -> tuple[bytes, bytes]:
     end = re.search(rb"^end_header[ \t]*\r?\n", data[: 1 << 20], re.MULTILINE)
     if not data.startswith(b"ply") or end is None:
         raise MeshFileError("found no PLY header, expected one from 'ply' to 'end_header'")
-    return data[: end.start()].replace(b"\r\n", b"\n"), data[end.end() :]
+    return data[: end.start()], data[end.end() :]
 
 
 def _check_counts(header: bytes, body: bytes) -> None:
@@ -59,7 +60,7 @@ def _material(header: bytes, folder: Path) -> FileMaterial | None:
     named = re.search(rb"^comment\s+TextureFile\s+(.+?)\s*$", header, re.MULTILINE | re.IGNORECASE)
     if named is None:
         return None
-    name = named.group(1).decode("utf-8", "replace")
+    name = as_utf8(named.group(1)).decode("utf-8")
     if not (folder / name).is_file():
         raise MeshFileError(f"found no file {name!r}, which it names as its texture; put it beside")
     return FileMaterial(base_color_image=folder / name)

@@ -45,6 +45,15 @@ def read_with_trimesh(data: bytes, suffix: str, beside: bytes | None = None, **o
     return parts
 
 
+def as_utf8(text: bytes) -> bytes:
+    """A text that is not UTF-8 is taken as Latin-1, in which every byte is a letter: names and comments only."""
+    try:
+        text.decode("utf-8")
+    except UnicodeDecodeError:
+        return text.decode("latin-1").encode("utf-8")
+    return text
+
+
 class _Beside:
     """Stands for the files in the same folder."""
 

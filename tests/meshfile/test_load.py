@@ -104,6 +104,7 @@ def test_uvs_at_the_corners_of_ply_faces(tmp_path: Path) -> None:
     ("a.obj", samples.obj("f 1 2"), "found no triangle"), ("a.obj", samples.obj("f 1 2 3\nf 1 2"), "found a broken OBJ file"),
     ("a.obj", samples.obj("f 1 2 three"), "found a broken OBJ file"),
     ("a.obj", samples.obj("f -4 -3 -2\nv 5 5 5"), "found indices relative to vertices that are followed by more"),
+    ("a.obj", b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "found vertices of shape (3, 2), expected (3, 3)"),
     ("a.off", b"OFF\n", "found no counts"), ("a.off", samples.off()[:-20], "found fewer whole rows than the 4 vertices and 4 faces promised"),
     ("a.off", samples.off().replace(b"4 4 6", b"4000000000 4 6"), "found fewer whole rows than the 4000000000 vertices"),
     ("a.off", samples.off().replace(b"3 0 2 1", b"3 0 2"), "found fewer whole rows"),
@@ -114,6 +115,14 @@ def test_uvs_at_the_corners_of_ply_faces(tmp_path: Path) -> None:
 ])
 def test_lying_files(tmp_path: Path, name: str, data: bytes, expected: str) -> None:
     assert complaint(write(tmp_path, name, data)).startswith(expected)
+
+
+def test_latin_1_in_names_and_comments(tmp_path: Path) -> None:
+    for name, data in (("a.obj", b"# caf\xe9\n" + samples.obj()), ("a.off", samples.off().replace(b"OFF\n", b"OFF\n# caf\xe9\n")),
+                       ("a.stl", samples.stl_ascii().replace(b"tetrahedron", b"caf\xe9")),
+                       ("a.ply", samples.ply().replace(b"element", b"comment caf\xe9\nelement", 1)),
+                       ("b.ply", samples.ply("ascii").replace(b"element", b"comment caf\xe9\nelement", 1))):
+        assert len(load_mesh(write(tmp_path, name, data))[0].faces) == 4
 
 
 def test_a_missing_file(tmp_path: Path) -> None:
