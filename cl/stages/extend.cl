@@ -18,11 +18,13 @@ kernel WORK_GROUP void extend(STAGE_PARAMETERS)
     uint queue = QUEUE_EXTEND_0;
     uint idle = QUEUE_IDLE_0;
 #endif
+    if (get_global_id(0) == 0) {
+        counters[COUNTER_RAYS] += counters[QUEUE_EXTEND_0 + parity];
+        counters[COUNTER_FIRST_ROUND] = 0u;
+    }
     if (queue_is_over(&queues, queue))
         return;
     uint slot = queue_take(&queues, queue);
-    if (get_global_id(0) == 0)
-        counters[COUNTER_RAYS] += counters[QUEUE_EXTEND_0 + parity];
     uint next = NO_QUEUE;
     if (slot != NO_SLOT) {
         ray_t ray;

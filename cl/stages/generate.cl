@@ -82,7 +82,11 @@ kernel WORK_GROUP void generate(STAGE_PARAMETERS)
     }
     if (queue_is_over(&queues, QUEUE_IDLE_0 + parity))
         return;
-    uint slot = queue_take(&queues, QUEUE_IDLE_0 + parity), want = slot != NO_SLOT ? 0u : NO_QUEUE;
+    // In a batch's first round every slot is idle, and no list of them is needed.
+    uint slot = queue_take(&queues, QUEUE_IDLE_0 + parity);
+    if (counters[COUNTER_FIRST_ROUND] && slot != NO_SLOT)
+        slot = (uint)get_global_id(0);
+    uint want = slot != NO_SLOT ? 0u : NO_QUEUE;
     local ulong *wishes = (local ulong *)(scratch + SCRATCH_WISHES);
     group_wish(want, wishes);
     barrier(CLK_LOCAL_MEM_FENCE);

@@ -104,8 +104,8 @@ class Wavefront:
 
         counters = np.zeros(counter_count(self.buffers.features), dtype=np.uint32)
         if self.policy.compacted:
-            counters[0] = self.policy.slots
-            cl.enqueue_copy(self.queue, self._queue_slots, np.arange(self.policy.slots, dtype=np.uint32), is_blocking=True)
+            counters[self.queues.index("IDLE_0")] = self.policy.slots
+            counters[len(self.queues) + COUNTERS.index("FIRST_ROUND")] = 1
         else:
             cl.enqueue_fill_buffer(self.queue, self._queue_slots, np.uint32(0), 0, 8 * self.policy.slots)
         cl.enqueue_copy(self.queue, self._counters, counters, is_blocking=True)

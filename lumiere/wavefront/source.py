@@ -22,7 +22,7 @@ def queue_names(features: Features) -> list[str]:
     return names + [f"SHADE_{i}" for i in range(max(1, len(features.bsdfs)))]
 
 
-COUNTERS = ("NEXT_SAMPLE", "RAYS", "SHADOW_RAYS")
+COUNTERS = ("NEXT_SAMPLE", "RAYS", "SHADOW_RAYS", "FIRST_ROUND")
 
 
 def counter_count(features: Features) -> int:
@@ -135,7 +135,7 @@ def program_sources(buffers: SceneBuffers, policy: Policy) -> list[ProgramSource
     for number, (kind, textured) in enumerate(features.bsdfs.items()):
         specular = kind in features.specular_bsdfs
         own = f"#define QUEUE_SHADE QUEUE_SHADE_{number}\n" + ("#define NEXT_EVENT_ESTIMATION\n" if features.next_event_estimation and not specular else "")
-        bsdf = bsdf_source(kind, buffers.bsdf_parameters[kind], textured)
+        bsdf = bsdf_source(kind, buffers.bsdf_parameters[kind], textured, features.bsdf_features[kind])
         sources.append(ProgramSource(f"shade[{kind}]", assemble("stages/shade.cl", prelude + own, generated | {"scene/bsdf.cl": bsdf})))
     if features.next_event_estimation:
         sources.append(ProgramSource("connect", assemble("stages/connect.cl", prelude, generated)))
