@@ -38,7 +38,8 @@ def _defines(features: Features, policy: Policy) -> str:
         "CAMERA_PARTIAL": features.camera_partial, "FILTER_TABLE": features.filter_table, "CLAMP_INDIRECT": features.clamp_indirect,
         "PIXEL_LIST": features.pixel_list,
         "VISIBILITY": features.visibility, "OPACITY": features.opacity, "TEXTURED_OPACITY": features.textured_opacity,
-        "NORMAL_MAP": features.normal_map, "BUMP_MAP": features.bump_map, "TRIANGLE_CORNERS": features.triangle_corners, "VERTEX_NORMALS": features.vertex_normals,
+        "NORMAL_MAP": features.normal_map, "BUMP_MAP": features.bump_map, "TRIANGLE_CORNERS": features.triangle_corners,
+        "VERTEX_NORMALS": features.vertex_normals,
         "VERTEX_UVS": features.vertex_uvs, "VERTEX_COLORS": features.vertex_colors, "SURFACE_UV": features.surface_uv,
         "SURFACE_TANGENT": features.surface_tangent, "SURFACE_COLOR": features.surface_color,
         "INFINITE_LIGHTS": bool(features.infinite_lights), "SAMPLER_STRATA": features.sampler == "stratified",
@@ -54,7 +55,8 @@ def _defines(features: Features, policy: Policy) -> str:
         "FIRST_ID_CHANNEL": f"{min([channels[name] for name in ID_AOVS if name in channels], default=features.channel_count())}u",
         "QUEUE_COUNT": f"{len(queues)}u", "SHADE_QUEUES": str(max(1, len(features.bsdfs))), "FILTER_TABLE_SIZE": f"{TABLE_SIZE}u",
         "NON_FINITE_KEPT": f"{NON_FINITE_KEPT}u", "NO_TEXTURE": f"{NO_TEXTURE}u", "OBJECT_TWO_SIDED": f"{TWO_SIDED}u",
-        "OBJECT_TRANSLUCENT": f"{TRANSLUCENT}u", "OBJECT_VISIBLE_TO_CAMERA": f"{VISIBLE_TO_CAMERA}u", "OBJECT_VISIBLE_TO_SHADOW": f"{VISIBLE_TO_SHADOW}u",
+        "OBJECT_TRANSLUCENT": f"{TRANSLUCENT}u", "OBJECT_VISIBLE_TO_CAMERA": f"{VISIBLE_TO_CAMERA}u",
+        "OBJECT_VISIBLE_TO_SHADOW": f"{VISIBLE_TO_SHADOW}u",
         # One base a queue, then (compacted) two bytes a work-item; the census of dense queues needs three words.
         "SCRATCH_WISHES": f"{-(-len(queues) // 2) * 2}u", "SCRATCH_SIZE": f"{-(-len(queues) // 2) * 2 + policy.work_group // 2}u",
         "WORK_GROUP_SIZE": f"{policy.work_group}u", "WORK_GROUP": f"__attribute__((reqd_work_group_size({policy.work_group}, 1, 1)))",
@@ -134,7 +136,8 @@ def program_sources(buffers: SceneBuffers, policy: Policy) -> list[ProgramSource
         sources.append(ProgramSource("escape", assemble("stages/escape.cl", prelude, generated)))
     for number, (kind, textured) in enumerate(features.bsdfs.items()):
         specular = kind in features.specular_bsdfs
-        own = f"#define QUEUE_SHADE QUEUE_SHADE_{number}\n" + ("#define NEXT_EVENT_ESTIMATION\n" if features.next_event_estimation and not specular else "")
+        own = f"#define QUEUE_SHADE QUEUE_SHADE_{number}\n"
+        own += "#define NEXT_EVENT_ESTIMATION\n" if features.next_event_estimation and not specular else ""
         bsdf = bsdf_source(kind, buffers.bsdf_parameters[kind], textured, features.bsdf_features[kind])
         sources.append(ProgramSource(f"shade[{kind}]", assemble("stages/shade.cl", prelude + own, generated | {"scene/bsdf.cl": bsdf})))
     if features.next_event_estimation:
