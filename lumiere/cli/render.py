@@ -113,4 +113,10 @@ def _summary(record: dict[str, Any], written: list[Path], *, interrupted: bool) 
     rate = with_prefix(record.get("samples_per_second", 0.0), "samples/s")
     bad = record.get("non_finite", {}).get("count", 0)
     return (f"{'interrupted; ' if interrupted else ''}wrote {', '.join(map(str, written))} ({done}, {rate}, {record.get('device')})"
-            + (f"; {bad} samples were not finite and count as 0" if bad else ""))
+            + _dropped(record.get("triangles_dropped", {})) + (f"; {bad} samples were not finite and count as 0" if bad else ""))
+
+
+def _dropped(counts: dict[str, int]) -> str:
+    """What of the meshes could not be used, by reason."""
+    reasons = ", ".join(f"{count} {reason.replace('_', ' ')}" for reason, count in counts.items() if count)
+    return f"; triangles left out: {reasons}" if reasons else ""
