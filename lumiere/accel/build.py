@@ -80,7 +80,8 @@ def build(lower: np.ndarray, upper: np.ndarray, max_leaf_size: int = 4, traversa
         low = np.stack([np.minimum.reduceat(row, start) for row in boxes[:3]])
         high = np.stack([np.maximum.reduceat(row, start) for row in boxes[3:]])
         largest_child = max_leaf_size << (MAX_DEPTH - len(levels) - 1) if len(levels) < MAX_DEPTH else 0
-        split = _best_splits(boxes, start, count, largest_child)
+        open_nodes = count > min(max_leaf_size, traversal_cost)  # no split of the others could be cheaper
+        split = _best_splits(boxes, start, count, open_nodes, largest_child)
 
         area = half_area(low.astype(np.float64), high)
         keep_whole = (count <= max_leaf_size) & ~(traversal_cost * area + split.cost < count * area)
@@ -138,12 +139,12 @@ class _Splits:
         return _Splits(self.cost[nodes], self.axis[nodes], self.last[nodes], np.compress(primitives, self.bins, axis=1))
 
 
-def _best_splits(boxes: np.ndarray, start: np.ndarray, count: np.ndarray, largest_child: int) -> _Splits:
-    """The best splits of a level's nodes into children of at most ``largest_child`` primitives."""
+def _best_splits(boxes: np.ndarray, start: np.ndarray, count: np.ndarray, open_nodes: np.ndarray, largest_child: int) -> _Splits:
+    """The best splits of a level's open nodes into children of at most ``largest_child`` primitives."""
     best = _Splits(np.full(len(count), np.inf), np.zeros(len(count), np.int8), np.zeros(len(count), np.uint8),
                    np.zeros((3, boxes.shape[1]), np.uint8))
     for small in (False, True):
-        nodes = np.flatnonzero((count <= SMALL) == small)
+        nodes = np.flatnonzero(open_nodes & ((count <= SMALL) == small))
         for chunk in np.split(nodes, range(NODES_AT_ONCE, len(nodes), NODES_AT_ONCE)):
             if len(chunk):
                 _best_splits_of(best, chunk, boxes, start, count, largest_child, small)

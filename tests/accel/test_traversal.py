@@ -17,8 +17,8 @@ from tests.accel.tracer import ACCELERATORS, NONE, SHAPE, TREES, Tracer, scene_s
 ASSETS = Path(__file__).parents[3] / "shared" / "assets"
 MESHES = ["alien.glb", "alpha_blend_mode.glb", "flight_helmet/FlightHelmet.gltf", "fuze/fuze.obj", "spot/spot.obj", "spot_closed.ply",
           "spot_valley.glb", "broken/degenerate.ply", "broken/nan_inf.ply", "broken/soup.stl"]
-TESTS = 6e7
-"""Triangle tests of the plain list for one mesh: about a second on two CPU cores."""
+TESTS = 3e7
+"""Triangle tests of the plain list for one mesh: about half a second on two CPU cores."""
 
 every_accelerator = pytest.mark.parametrize("accelerator", ACCELERATORS, ids=lambda a: a.name)
 every_tree = pytest.mark.parametrize("tree", TREES, ids=lambda a: a.name)
