@@ -16,12 +16,18 @@ from lumiere.compile.features import AOV_CHANNELS
 from lumiere.compile.scene import compile_scene
 from lumiere.film.image import Image
 from lumiere.film.progress import Progress
+from lumiere.goal.adaptive import render_adaptive
+from lumiere.goal.error import LUMINANCE
+from lumiere.goal.uniform import Outcome, render_uniform
 from lumiere.overrides import Overrides
 from lumiere.scene.model import Scene
 from lumiere.wavefront.batch import Batch, passes, pixel_order
 from lumiere.wavefront.loop import Wavefront
 from lumiere.wavefront.policy import is_gpu, policy_for
 from lumiere.wavefront.state import words_per_path
+
+MOST_SAMPLES = 1 << 20
+"""Samples of a pixel, where a render to a goal is given no limit."""
 
 SECONDS_A_BATCH = 1.0
 """How long a batch may take where somebody may want the picture before the last."""
@@ -48,7 +54,8 @@ class Render:
         begin = time.perf_counter()
         x0, y0, x1, y1 = scene.film.window
         self.width, self.height = x1 - x0, y1 - y0
-        self.samples = self.width * self.height * scene.sampler.spp
+        adaptive = scene.sampler.adaptive
+        self.samples = self.width * self.height * (scene.sampler.spp if adaptive is None else min(adaptive.max_spp, 64))
         bytes_per_path = 4 * sum(words_per_path(buffers.features))
         policy = policy_for(self.device, self.samples, bytes_per_path, 4 * buffers.features.channel_count())
         if overrides.slots is not None:
@@ -59,21 +66,44 @@ class Render:
         self.seconds["compile"] = time.perf_counter() - begin
         self.counts = np.zeros(self.width * self.height, dtype=np.int64)
         """Samples that each pixel, in device order, has got."""
+        self.target = 0.0
+        self.outcome: Outcome | None = None
+        """Of a render to a goal."""
 
     def restart(self, seed: int) -> None:
         """Forgets the samples; those that come next are another seed's."""
         self.scene = replace(self.scene, sampler=replace(self.scene.sampler, seed=seed))
         self.wavefront.restart(seed)
         self.counts[:] = 0
+        self.outcome = None
         self.seconds["render"] = 0.0
 
     def run(self, *, time_limit: float | None = None, progress: Callable[[Progress], None] | None = None,
-            stop: Callable[[], bool] | None = None) -> None:
-        """Renders the scene's samples, or as many whole passes as ``time_limit`` and ``stop`` leave."""
+            stop: Callable[[], bool] | None = None, target_error: float | None = None, spp_limit: int = MOST_SAMPLES) -> None:
+        """Renders the scene's samples, or as many whole passes as ``time_limit`` and ``stop`` leave.
+
+        With ``target_error``, or where the scene samples adaptively, samples are taken until the picture's relative error is below it;
+        ``spp_limit`` is then the most that a pixel gets.
+        """
         begin = time.perf_counter()
+        adaptive = self.scene.sampler.adaptive
+        if adaptive is not None or target_error is not None:
+            def keep_on(expected: int) -> bool:
+                elapsed = time.perf_counter() - begin
+                if progress is not None:
+                    progress(Progress(int(self.counts.sum()), expected, elapsed))
+                return not ((stop is not None and stop()) or (time_limit is not None and elapsed >= time_limit))
+
+            self.target = target_error or adaptive.target_error
+            if adaptive is not None:
+                self.outcome = render_adaptive(self, self.target, min(spp_limit, adaptive.max_spp), keep_on)
+            else:
+                self.outcome = render_uniform(self, self.target, spp_limit, keep_on)
+            self.wavefront.finish()
+            self.seconds["render"] += time.perf_counter() - begin
+            return
         for batch in self._batches(begin, time_limit, patient=time_limit is None and stop is None):
-            self.wavefront.render(batch)
-            self.counts[batch.first_pixel:batch.first_pixel + batch.pixel_count] += batch.samples_a_pixel
+            self.take(batch)
             elapsed = time.perf_counter() - begin
             if progress is not None:
                 progress(Progress(int(self.counts.sum()), self.samples, elapsed))
@@ -94,6 +124,24 @@ class Render:
             elapsed = time.perf_counter() - begin
             left = SECONDS_A_BATCH if time_limit is None else min(SECONDS_A_BATCH, max(0.0, time_limit - elapsed))
             at_once = max(1, min(4 * at_once, int(done * left / elapsed)))
+
+    def take(self, batch: Batch) -> None:
+        """Renders a batch into the film."""
+        self.wavefront.render(batch)
+        self.counts[batch.listed()] += batch.samples_a_pixel
+
+    def luminance_sums(self) -> np.ndarray:
+        """(pixels,) float64 in device order: luminance of the samples taken so far, summed."""
+        return LUMINANCE @ self._film_in_order()[:3]
+
+    def means_and_deviations(self) -> tuple[np.ndarray, np.ndarray]:
+        """(pixels, 3) float64 each, in device order: mean and standard deviation of the samples."""
+        rows, n = self._film_in_order(), self.counts.astype(np.float64)
+        return (rows[:3] / np.maximum(n, 1.0)).T, np.sqrt(np.maximum(rows[-3:], 0.0) / np.maximum(n - 1.0, 1.0)).T
+
+    def _film_in_order(self) -> np.ndarray:
+        rows = self.wavefront.film(self.width, self.height)
+        return rows.reshape(len(rows), -1)[:, pixel_order(self.width, self.height)]
 
     def image(self, options: dict[str, Any]) -> Image:
         """The picture as it stands. ``options`` are what the call asked for, for the record."""
@@ -117,6 +165,10 @@ class Render:
                 first, size = features.channels()[name], AOV_CHANNELS[name]
                 layer = rows[first] - 1.0 if name.endswith("_id") else np.moveaxis(means[first:first + size], 0, -1)
                 aovs[name] = np.squeeze(layer, axis=-1).astype(np.float32) if layer.ndim == 3 and size == 1 else layer.astype(np.float32)
+        if self.outcome is not None and self.outcome.error is not None:
+            layer = np.zeros(self.width * self.height, dtype=np.float32)
+            layer[pixel_order(self.width, self.height)] = self.outcome.error.pixels
+            aovs["error"] = layer.reshape(self.height, self.width)
         image = Image(pixels=pixels, variance=variance, aovs=aovs, record=self._record(options), crop=film.window,
                       full_size=(film.width, film.height))
         return image
@@ -132,6 +184,7 @@ class Render:
             "device": self.device.name.strip(), "driver": f"{self.device.platform.name} {self.device.driver_version}", "options": options,
             "spp": int(self.counts.min()), "seed": scene.sampler.seed, "features": wavefront.buffers.features.as_record(),
             "bias": {} if scene.integrator.clamp_indirect is None else {"clamp_indirect": scene.integrator.clamp_indirect},
+            **self._error_record(),
             "kernels": [{"name": b.name, "reason": b.reason, "seconds": round(b.seconds, 4)} for b in wavefront.builds],
             "bytes_per_path": wavefront.bytes_per_path, "paths_in_flight": wavefront.policy.slots,
             "seconds": seconds | {"total": round(sum(self.seconds.values()), 4)},
@@ -141,6 +194,15 @@ class Render:
             "memory": {"host_peak": _host_peak(), "device_peak": wavefront.memory.bytes},
             "non_finite": {"count": count, "samples": [place | {"x": place["x"] + x0, "y": place["y"] + y0} for place in places]},
         }
+
+
+    def _error_record(self) -> dict[str, Any]:
+        """What a render to a goal came to."""
+        if self.outcome is None:
+            return {}
+        error = self.outcome.error
+        told = {} if error is None else {"image": error.image, "bound": error.bound, "pixels_above": float((error.pixels > self.target).mean())}
+        return {"error": {"target": self.target, "reached": self.outcome.reached, **told}, "mean_spp": float(self.counts.mean())}
 
 
 def _host_peak() -> int:

@@ -10,13 +10,13 @@ from typing import Any
 
 from lumiere.cli.interrupt import StopOnSignal
 from lumiere.cli.progress import ProgressDisplay
-from lumiere.cli.values import clock, seconds, whole, with_prefix
+from lumiere.cli.values import above_zero, clock, seconds, whole, with_prefix
 from lumiere.errors import LumiereError, UsageError
 
 INTERRUPTED = 130
 """Exit status after SIGINT or SIGTERM: 128 + SIGINT, as shells have it."""
 
-OPTIONS = ("spp", "seed", "width", "height", "crop", "max_depth", "device", "time_limit")
+OPTIONS = ("spp", "seed", "width", "height", "crop", "max_depth", "device", "time_limit", "target_error")
 """What is handed on to ``lumiere.api.render`` as it is."""
 
 
@@ -36,6 +36,8 @@ def add(subcommands: Any) -> None:
     parser.add_argument("--max-depth", metavar="D", type=whole(0, 65535), help="most scattering events on a path")
     parser.add_argument("--device", metavar="DEVICE", help="number or part of a name from `lumiere devices` (default: $LUMIERE_DEVICE, or the best)")
     parser.add_argument("--time-limit", metavar="SECONDS", type=seconds, help="stop rendering after this time, with every pixel sampled equally")
+    parser.add_argument("--target-error", metavar="E", type=above_zero,
+                        help="render until the picture's relative error is below E, at most --spp samples a pixel")
     parser.add_argument("--record", metavar="FILE", help="write how the picture was made to this JSON file")
     parser.set_defaults(run=run)
 
@@ -112,6 +114,11 @@ def _summary(record: dict[str, Any], written: list[Path], *, interrupted: bool) 
     done = f"{record.get('spp')} spp in {clock(time) if time >= 60.0 else f'{time:.3g} s'}"
     rate = with_prefix(record.get("samples_per_second", 0.0), "samples/s")
     bad = record.get("non_finite", {}).get("count", 0)
+    goal = record.get("error")
+    if goal is not None:
+        told = f"error {goal['image']:.2g}, surely below {goal['bound']:.2g}" if "image" in goal else "too few samples to tell the error"
+        reached = "reached" if goal["reached"] else "not reached"
+        done = f"{told}, target {goal['target']:g} {reached}; {record['mean_spp']:.4g} {done.partition(' ')[2]}"
     return (f"{'interrupted; ' if interrupted else ''}wrote {', '.join(map(str, written))} ({done}, {rate}, {record.get('device')})"
             + _dropped(record.get("triangles_dropped", {})) + (f"; {bad} samples were not finite and count as 0" if bad else ""))
 

@@ -23,12 +23,21 @@ def whole(low: int, high: int | None = None) -> Callable[[str], int]:
 
 def seconds(text: str) -> float:
     """A type for argparse: a finite time above 0."""
+    return _positive(text, "seconds")
+
+
+def above_zero(text: str) -> float:
+    """A type for argparse: a finite number above 0."""
+    return _positive(text, "a number")
+
+
+def _positive(text: str, what: str) -> float:
     try:
         value = float(text)
     except ValueError:
         value = 0.0
     if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"found '{text}', expected seconds above 0")
+        raise argparse.ArgumentTypeError(f"found '{text}', expected {what} above 0")
     return value
 
 

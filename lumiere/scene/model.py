@@ -63,7 +63,7 @@ class Integrator:
 class Adaptive:
     """Where more samples go."""
 
-    target_error: float = number(low=0.0, low_open=True, doc="relative standard error of a pixel")
+    target_error: float = number(low=0.0, low_open=True, doc="relative standard error, root mean square over the pixels")
     max_spp: int = integer(low=1, high=2**31 - 1, doc="samples a pixel at most")
 
 

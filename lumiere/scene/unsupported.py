@@ -12,7 +12,6 @@ UNSUPPORTED: dict[tuple[str, str], frozenset[str]] = {
     ("scene", "media"): ANY,
     ("camera", "shutter"): ANY,
     ("integrator", "type"): frozenset({"bdpt"}),
-    ("sampler", "adaptive"): ANY,
     ("material", "type"): frozenset({"subsurface", "principled", "mix", "null"}),
     ("material", "interior"): ANY,
     ("geometry", "type"): frozenset({"group", "instance"}),

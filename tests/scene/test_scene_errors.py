@@ -251,8 +251,6 @@ CASES = {  # text with § in front of the culprit → path, complaint (whole, or
     "null material": ('{"scene": {"materials": {"m": {"type": §"null"}}}}', "scene.materials.m.type", "not supported yet: null"),
     "group": ('{"scene": {"geometry": [{"type": §"group"}]}}', "scene.geometry[0].type", "not supported yet: group"),
     "instance": ('{"scene": {"geometry": [{"type": §"instance"}]}}', "scene.geometry[0].type", "not supported yet: instance"),
-    "adaptive": ('{"scene": {"sampler": {"adaptive": §{"target_error": 0.1, "max_spp": 9}}}}', "scene.sampler.adaptive",
-                 "not supported yet: adaptive"),
     "shutter": ('{"scene": {"camera": {"shutter": §[0, 1]}}}', "scene.camera.shutter", "not supported yet: shutter"),
 }
 
