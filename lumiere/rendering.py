@@ -34,10 +34,10 @@ SECONDS_A_BATCH = 1.0
 
 
 class Render:
-    """A render from scene to Image. Raises DeviceError where the device cannot do it."""
+    """A render from scene to Image; with ``profiling`` its events tell times. Raises DeviceError where the device cannot do it."""
 
     def __init__(self, scene: Scene, device: str | int | None = None, load_seconds: float = 0.0,
-                 overrides: Overrides | None = None) -> None:
+                 overrides: Overrides | None = None, profiling: bool = False) -> None:
         import pyopencl as cl
 
         from lumiere.device.select import choose
@@ -61,8 +61,9 @@ class Render:
         if overrides.slots is not None:
             policy = replace(policy, slots=-(-overrides.slots // policy.work_group) * policy.work_group)
         context = cl.Context([self.device])
-        self.wavefront = Wavefront(buffers, policy, context, cl.CommandQueue(context, self.device), self.width * self.height,
-                                   compiler_options=overrides.compiler_options)
+        properties = cl.command_queue_properties.PROFILING_ENABLE if profiling else 0
+        queue = cl.CommandQueue(context, self.device, properties)
+        self.wavefront = Wavefront(buffers, policy, context, queue, self.width * self.height, compiler_options=overrides.compiler_options)
         self.seconds["compile"] = time.perf_counter() - begin
         self.counts = np.zeros(self.width * self.height, dtype=np.int64)
         """Samples that each pixel, in device order, has got."""

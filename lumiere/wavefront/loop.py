@@ -147,6 +147,20 @@ class Wavefront:
         self.rays.nearest += int(counters[len(self.queues) + COUNTERS.index("RAYS")])
         self.rays.shadow += int(counters[len(self.queues) + COUNTERS.index("SHADOW_RAYS")])
 
+    def census(self) -> dict[str, int]:
+        """Slots in each queue and the counters, by name, as they stand when all that was launched is done; for observers, since it waits."""
+        import pyopencl as cl
+
+        counters = np.zeros(counter_count(self.buffers.features), dtype=np.uint32)
+        cl.enqueue_copy(self.queue, counters, self._counters, is_blocking=True)
+        found = dict(zip([*self.queues, *COUNTERS], counters.tolist(), strict=True))
+        if not self.policy.compacted:
+            slots = np.zeros((2, self.policy.slots), dtype=np.uint32)
+            cl.enqueue_copy(self.queue, slots, self._queue_slots, is_blocking=True)
+            found |= zip(self.queues, np.bincount(slots[0], minlength=len(self.queues)).tolist(), strict=True)
+            found["CONNECT"] = int(np.count_nonzero(slots[1]))
+        return found
+
     def finish(self) -> None:
         """Waits for the device."""
         self.queue.finish()
