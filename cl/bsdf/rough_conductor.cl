@@ -2,17 +2,34 @@
 //
 //   f = F(wo·m) D(m) G2(wo, wi) / (4 cosθo cosθi),   m = (wo + wi) / |wo + wi|
 //
-// Light that meets a second facet is lost, as in all single-scattering models: little below α = 0.2, up to half at α = 1.
-// The distribution and its sampling: lib/microfacet.cl.
+// Light that meets a second facet is lost, as in all single-scattering models: 1 % at α = 0.1, over half at α = 1. With ENERGY_COMPENSATION
+// it is given back diffusely (lib/ggx_albedo.cl). The distribution and its sampling: lib/microfacet.cl.
 
 #include "bsdf/contract.cl"
 #include "lib/fresnel.cl"
+#include "lib/ggx_albedo.cl"
 #include "lib/microfacet.cl"
+#include "lib/warp.cl"
 
 static inline bool rough_conductor_is_smooth(const rough_conductor_t *bsdf)
 {
     return bsdf->roughness < SMOOTH_ROUGHNESS;
 }
+
+#ifdef ENERGY_COMPENSATION
+// A(w), and the probability of sampling what is given back: its share.
+static inline float rough_conductor_total(ggx_t ggx, float3 w)
+{
+    return ggx_albedo(ggx_roughness_along(ggx, w), w.z).total;
+}
+
+static inline float3 rough_conductor_returned(const rough_conductor_t *bsdf, ggx_t ggx, float3 wo, float3 wi)
+{
+    const float average = ggx_albedo_average(sqrt(sqrt(ggx.x * ggx.y))).total;
+    return ggx_multiple_reflectance(fresnel_conductor(1.0f, bsdf->eta, bsdf->k), 1.0f, average)
+         * ggx_multiple_shape(rough_conductor_total(ggx, wo), rough_conductor_total(ggx, wi), average);
+}
+#endif
 
 static inline float3 rough_conductor_eval(const rough_conductor_t *bsdf, float3 wo, float3 wi)
 {
@@ -21,7 +38,11 @@ static inline float3 rough_conductor_eval(const rough_conductor_t *bsdf, float3 
     const ggx_t ggx = ggx_new(bsdf->roughness, bsdf->anisotropy);
     const float3 m = normalize(wo + wi);
     const float3 reflectance = fresnel_conductor(clamp(dot(wo, m), 0.0f, 1.0f), bsdf->eta, bsdf->k);
-    return reflectance * (0.25f * ggx_density(ggx, m) * ggx_g2_over_cos_cos(ggx, wo, wi) * wi.z);
+    float3 f = reflectance * (0.25f * ggx_density(ggx, m) * ggx_g2_over_cos_cos(ggx, wo, wi));
+#ifdef ENERGY_COMPENSATION
+    f += rough_conductor_returned(bsdf, ggx, wo, wi);
+#endif
+    return f * wi.z;
 }
 
 // Visible normals, mirrored: dm / dwi = 1 / (4 wo·m) (Walter et al. 2007, eq. 14), where wo·m cancels.
@@ -30,7 +51,11 @@ static inline float rough_conductor_pdf(const rough_conductor_t *bsdf, float3 wo
     if (wo.z <= 0.0f || wi.z <= 0.0f || rough_conductor_is_smooth(bsdf))
         return 0.0f;
     const ggx_t ggx = ggx_new(bsdf->roughness, bsdf->anisotropy);
-    return 0.25f * ggx_g1_over_cos(ggx, wo) * ggx_density(ggx, normalize(wo + wi));
+    float pdf = 0.25f * ggx_g1_over_cos(ggx, wo) * ggx_density(ggx, normalize(wo + wi));
+#ifdef ENERGY_COMPENSATION
+    pdf = mix(INV_PI * wi.z, pdf, rough_conductor_total(ggx, wo));
+#endif
+    return pdf;
 }
 
 static inline bsdf_sample_t rough_conductor_sample(const rough_conductor_t *bsdf, float3 wo, float3 u)
@@ -46,13 +71,18 @@ static inline bsdf_sample_t rough_conductor_sample(const rough_conductor_t *bsdf
         return s;
     }
     const ggx_t ggx = ggx_new(bsdf->roughness, bsdf->anisotropy);
-    const float3 m = ggx_sample_visible(ggx, wo, u.yz);
-    const float3 wi = reflect_about(wo, m);
-    if (wi.z <= 0.0f)
+#ifdef ENERGY_COMPENSATION
+    const bool mirrored = u.x < rough_conductor_total(ggx, wo);
+#else
+    const bool mirrored = true;
+#endif
+    const float3 wi = mirrored ? normalize(reflect_about(wo, ggx_sample_visible(ggx, wo, u.yz))) : square_to_cosine_hemisphere(u.yz);
+    const float pdf = rough_conductor_pdf(bsdf, wo, wi);
+    if (pdf <= 0.0f)
         return s;
-    s.wi = normalize(wi);
-    s.weight = fresnel_conductor(clamp(dot(wo, m), 0.0f, 1.0f), bsdf->eta, bsdf->k) * ggx_g2_over_g1(ggx, wo, s.wi);
-    s.pdf = 0.25f * ggx_g1_over_cos(ggx, wo) * ggx_density(ggx, m);
+    s.wi = wi;
+    s.pdf = pdf;
+    s.weight = rough_conductor_eval(bsdf, wo, wi) / pdf;
     return s;
 }
 

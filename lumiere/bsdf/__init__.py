@@ -37,6 +37,12 @@ class Material:
     purely_specular: ClassVar[bool] = False
     refracts: ClassVar[bool] = False
     """Radiance is scaled where it crosses the surface."""
+    device_features: ClassVar[tuple[str, ...]] = ()
+    """Macros with which its BSDF is compiled: lobes that it has. A kind is compiled with those of all the materials in the scene."""
+    compensates: ClassVar[bool] = False
+    """Its BSDF knows the macro ``ENERGY_COMPENSATION``, which the scene asks for: it gives back what rough facets lose."""
+    energy_tolerance: ClassVar[float] = 0.0
+    """How far from exact its tables leave what it scatters in all."""
     reflective: ClassVar[bool] = True
     """Scatters on one side only, and so is two-sided unless the file says otherwise."""
 

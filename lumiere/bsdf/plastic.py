@@ -23,6 +23,8 @@ class Plastic(Material):
     type: ClassVar[str] = "plastic"
     device_parameters: ClassVar[dict[str, str]] = {"albedo": "spectrum", "ior": "number", "roughness": "number"}
 
+    energy_tolerance: ClassVar[float] = 0.01
+
     albedo: Spectrum | Any = spectrum(0.5, high=1.0, textured=True, doc="fraction that the base reflects of light inside the coat")
     ior: float | Any = number(1.5, low=1.0, high=2.5, textured=True, doc="index of refraction of the coat")
     roughness: float | Any = number(0.2, low=0.0, high=1.0, textured=True, doc="of the coat: 0 (clear) to 1")

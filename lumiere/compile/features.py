@@ -23,6 +23,8 @@ class Features:
     """BSDF kind → its parameters that some material of the scene textures."""
     camera: str
     sampler: str
+    bsdf_features: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    """BSDF kind → macros with which it is compiled."""
     lights: tuple[str, ...] = ()
     """Kinds of lights that are not shapes."""
     infinite_lights: tuple[str, ...] = ()

@@ -16,12 +16,15 @@ NO_TEXTURE = 0xFFFFFFFF
 
 @dataclass
 class MaterialTable:
-    """The materials that objects use, by BSDF kind. ``textured`` says which parameters of a kind some material textures."""
+    """The materials that objects use, by BSDF kind. ``textured`` says which parameters of a kind some material textures, ``features`` with which
+    macros it is compiled."""
 
     textures: TextureTable
+    compensation: bool = False
     members: dict[str, list[Material]] = field(default_factory=dict)
     parameters: dict[str, dict[str, str]] = field(default_factory=dict)
     textured: dict[str, set[str]] = field(default_factory=dict)
+    features: dict[str, set[str]] = field(default_factory=dict)
     _places: dict[int, tuple[str, int]] = field(default_factory=dict)
 
     def place(self, material: Material) -> tuple[str, int]:
@@ -34,6 +37,8 @@ class MaterialTable:
         self.parameters[kind] = material.device_parameters
         textured = self.textured.setdefault(kind, set())
         textured.update(name for name, value in material.device_values().items() if isinstance(value, Texture))
+        compensation = {"ENERGY_COMPENSATION"} if self.compensation and material.compensates else set()
+        self.features.setdefault(kind, set()).update(material.device_features, compensation)
         self._places[id(material)] = (kind, len(members))
         members.append(material)
         return self._places[id(material)]
@@ -60,7 +65,7 @@ class MaterialTable:
         return records
 
 
-def bsdf_source(kind: str, parameters: dict[str, str], textured: tuple[str, ...]) -> str:
+def bsdf_source(kind: str, parameters: dict[str, str], textured: tuple[str, ...], features: tuple[str, ...] = ()) -> str:
     """``scene/bsdf.cl`` of a kind: NAME_t, the kind's own file, and NAME_load, which looks its textures up."""
     members = "".join(f"    {'float3' if sort == 'spectrum' else 'float'} {name};\n" for name, sort in parameters.items())
     loads = []
@@ -70,7 +75,8 @@ def bsdf_source(kind: str, parameters: dict[str, str], textured: tuple[str, ...]
             look_up = "texture_value" if sort == "spectrum" else "texture_number"
             constant = (f"record->{name}_texture != NO_TEXTURE ? {look_up}(scene, record->{name}_texture, surface) : {constant}")
         loads.append(f"    bsdf.{name} = {constant};\n")
-    return (f"#define BSDF_NAME {kind}\n#define BSDF_JOIN(a, b) a##_##b\n#define BSDF_OF(a, b) BSDF_JOIN(a, b)\n"
+    macros = "".join(f"#define {name}\n" for name in features)
+    return (f"{macros}#define BSDF_NAME {kind}\n#define BSDF_JOIN(a, b) a##_##b\n#define BSDF_OF(a, b) BSDF_JOIN(a, b)\n"
             f"#define BSDF(f) BSDF_OF(BSDF_NAME, f)\n"
             f"typedef struct {{\n{members}}} {kind}_t;\n\n"
             '#include "lib/math.cl"\n#include "lib/surface.cl"\n'

@@ -62,7 +62,7 @@ def compile_scene(scene: Scene, *, wide: bool = True,
     """Compiles a validated scene, for a device with wide vectors (CPUs) or without. Raises SceneError where a file that it names is not what it should be."""
     objects, lights = _lower(scene)
     textures = TextureTable()
-    materials = MaterialTable(textures)
+    materials = MaterialTable(textures, scene.integrator.energy_compensation)
     places = [materials.place(o.material) for o in objects]
     emissive = any(mean_emission(o.emission) > 0.0 for o in objects)
     if not lights and not emissive:
@@ -193,6 +193,7 @@ def _features(scene: Scene, objects: list[Object], groups: list[ShapeGroup], ver
     return Features(
         shapes={group.device_shape.name: group.layout for group in groups},
         bsdfs={kind: tuple(sorted(materials.textured[kind])) for kind in sorted(materials.members)},
+        bsdf_features={kind: tuple(sorted(names)) for kind, names in materials.features.items()},
         camera=camera.type, sampler=scene.sampler.type, lights=kinds, infinite_lights=infinite, textures=tuple(materials.textures.kinds),
         emission=emissive, emitters=len(table.emitters) > 0, textured_emission=textured_emission, next_event_estimation=next_event,
         light_sampling=mode, bsdf_pdf=len(table.emitters) > 0 or bool(infinite), eta_scale=any(m.refracts for m in used),

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lumiere.filter import FILTERS, Filter
-from lumiere.scene.fields import choice, choices, integer, kind, nested, number, vector
+from lumiere.scene.fields import boolean, choice, choices, integer, kind, nested, number, vector
 
 if TYPE_CHECKING:
     from lumiere.bsdf import Material
@@ -57,6 +57,7 @@ class Integrator:
     russian_roulette_depth: int | None = integer(5, low=0, high=65535, nullable=True, doc="roulette starts behind this event; null = never")
     light_sampling: str = choice("mis", ["mis", "light", "bsdf"], doc="how direct light is found")
     clamp_indirect: float | None = number(None, low=0.0, low_open=True, nullable=True, doc="largest indirect sample; null = off, else a bias")
+    energy_compensation: bool = boolean(False, doc="rough surfaces give back the light that meets their facets more than once")
 
 
 @dataclass(kw_only=True)

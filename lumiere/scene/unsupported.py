@@ -7,12 +7,16 @@ from lumiere.scene.node import Node
 ANY = frozenset[str]()
 """Whatever the key holds, unless that is nothing."""
 
+NON_ZERO = frozenset({"anything but 0"})
+"""Whatever the key holds, unless that is the number 0."""
+
 UNSUPPORTED: dict[tuple[str, str], frozenset[str]] = {
     # (what the object is, its key): values
     ("scene", "media"): ANY,
     ("camera", "shutter"): ANY,
     ("integrator", "type"): frozenset({"bdpt"}),
-    ("material", "type"): frozenset({"subsurface", "principled", "mix", "null"}),
+    ("material", "type"): frozenset({"subsurface", "mix", "null"}),
+    ("material", "subsurface"): NON_ZERO,
     ("material", "interior"): ANY,
     ("geometry", "type"): frozenset({"group", "instance"}),
 }
@@ -25,7 +29,7 @@ def refuse_unsupported(node: Node, noun: str) -> None:
         if values is None:
             continue
         empty = child.value is None or (isinstance(child.value, (dict, list)) and not child.value)
-        if values is ANY and not empty:
+        if (values is ANY and not empty) or (values is NON_ZERO and child.value != 0):
             raise child.error(f"not supported yet: {key}")
         if isinstance(child.value, str) and child.value in values:
             raise child.error(f"not supported yet: {child.value}")

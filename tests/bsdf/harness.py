@@ -70,7 +70,7 @@ class Samples:
 class Bsdf:
     """A BSDF kind, compiled. Directions are (n, 3) or (3,); ``parameters`` is one record (as ``pack`` makes it) or n of them."""
 
-    def __init__(self, device: cl.Device, kind: str, parameters: dict[str, str]) -> None:
+    def __init__(self, device: cl.Device, kind: str, parameters: dict[str, str], features: tuple[str, ...] = ()) -> None:
         self.context = cl.Context([device])
         self.queue = cl.CommandQueue(self.context)
         members, loads, offset = "", "", 0
@@ -79,7 +79,7 @@ class Bsdf:
             value = f"(float3)(p[{offset}], p[{offset + 1}], p[{offset + 2}])" if sort == "spectrum" else f"p[{offset}]"
             loads += f"    bsdf.{name} = {value};\n"
             offset += 3 if sort == "spectrum" else 1
-        struct = f"typedef struct {{\n{members}}} {kind}_t;\n"
+        struct = "".join(f"#define {name}\n" for name in features) + f"typedef struct {{\n{members}}} {kind}_t;\n"
         text = assemble(f"bsdf/{kind}.cl", struct) + KERNELS.replace("LOADS\n", loads).replace("NAME", kind)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", cl.CompilerWarning)
@@ -118,13 +118,14 @@ def pack(material: Material) -> Array:
 
 
 @cache
-def _compiled(device: cl.Device, kind: str, parameters: tuple[tuple[str, str], ...]) -> Bsdf:
-    return Bsdf(device, kind, dict(parameters))
+def _compiled(device: cl.Device, kind: str, parameters: tuple[tuple[str, str], ...], features: tuple[str, ...]) -> Bsdf:
+    return Bsdf(device, kind, dict(parameters), features)
 
 
-def bsdf_of(device: cl.Device, material: Material) -> Bsdf:
-    """The BSDF that shades ``material``, compiled once a device and kind."""
-    return _compiled(device, material.device_kind, tuple(material.device_parameters.items()))
+def bsdf_of(device: cl.Device, material: Material, *, compensation: bool = False) -> Bsdf:
+    """The BSDF that shades ``material``, compiled once a device, kind and set of lobes; with or without ``ENERGY_COMPENSATION``."""
+    features = material.device_features + (("ENERGY_COMPENSATION",) if compensation and material.compensates else ())
+    return _compiled(device, material.device_kind, tuple(material.device_parameters.items()), features)
 
 
 def uniform(generator: np.random.Generator, count: int, width: int = 3) -> Array:
