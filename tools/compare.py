@@ -45,23 +45,22 @@ class Comparison:
         return float(np.mean(np.abs(self.z_blocks) > z))
 
 
-def block_means(pixels: Array, size: int) -> Array:
-    """(⌈h / size⌉, ⌈w / size⌉, c) float64 means of the blocks of ``size`` × ``size`` pixels of (h, w, c); those at the end may be smaller."""
+def _block_sums(pixels: Array, size: int) -> Array:
+    """(⌈h / size⌉, ⌈w / size⌉, c) float64 sums over the blocks of ``size`` × ``size`` pixels of (h, w, c); those at the end may be smaller."""
     sums = pixels.astype(np.float64)
     for axis in (0, 1):
-        starts = np.arange(0, pixels.shape[axis], size)
-        counts = np.diff(np.append(starts, pixels.shape[axis]))
-        sums = np.add.reduceat(sums, starts, axis=axis) / np.expand_dims(counts, tuple({0, 1, 2} - {axis}))
+        sums = np.add.reduceat(sums, np.arange(0, pixels.shape[axis], size), axis=axis)
     return sums
+
+
+def block_means(pixels: Array, size: int) -> Array:
+    """Means over the blocks of ``_block_sums``."""
+    return _block_sums(pixels, size) / _block_sums(np.ones_like(pixels), size)
 
 
 def block_variance(variance: Array, size: int) -> Array:
     """Variances of ``block_means`` of independent pixels of these variances, (h, w, c)."""
-    counts = block_means(np.ones(variance.shape[:2] + (1,)), size)
-    for axis in (0, 1):
-        starts = np.arange(0, variance.shape[axis], size)
-        counts = counts * np.expand_dims(np.diff(np.append(starts, variance.shape[axis])), tuple({0, 1, 2} - {axis}))
-    return block_means(variance, size) / counts
+    return _block_sums(variance, size) / np.square(_block_sums(np.ones_like(variance), size))
 
 
 def compare(a: Array, b: Array, variance: Array | None = None, *, block: int = 8) -> Comparison:

@@ -111,7 +111,7 @@ def _one_block(m: Measured) -> np.ndarray:
     means, noise = block_means(m.pixels, 8)[..., 1], block_means(m.variance, 8)[..., 1]
     noisy = block_means(m.moved[..., None].astype(float), 8)[..., 0] == 1.0
     y, x = np.unravel_index(np.argmax(np.where(noisy, means / np.sqrt(noise + 1e-12), 0.0)), means.shape)
-    chosen = np.zeros(m.pixels.shape[:2] + (1,))
+    chosen = np.zeros((*m.pixels.shape[:2], 1))
     chosen[8 * y:8 * y + 8, 8 * x:8 * x + 8] = 1.0
     return chosen
 
