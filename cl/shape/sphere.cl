@@ -75,6 +75,13 @@ static inline float sphere_one_minus_cos(float r2, float distance2)
     return sin2 / (1.0f + sqrt(fmax(0.0f, 1.0f - sin2)));
 }
 
+// Is a point at this squared distance from the centre outside by more than rounding? A point of the sphere itself has no cone in which it is seen.
+static inline bool sphere_is_outside(global const sphere_record_t *sphere, float distance2)
+{
+    float rounding = 16.0f * MACHINE_EPSILON * (max_component(fabs(load3(sphere->center))) + sphere->radius);
+    return sqrt(distance2) > sphere->radius + rounding;
+}
+
 // From outside: uniform in the cone that it fills; from inside: uniform over the area (Shirley & Wang 1996; PBR 4ed, §6.2.4).
 static inline light_point_t sphere_sample(const scene_t *scene, uint index, float3 reference, float2 u)
 {
@@ -84,7 +91,7 @@ static inline light_point_t sphere_sample(const scene_t *scene, uint index, floa
     float distance2 = dot(to_center, to_center);
     float phi = 2.0f * PI * u.y;
     light_point_t point;
-    if (distance2 <= r2) {
+    if (!sphere_is_outside(sphere, distance2)) {
         float z = 1.0f - 2.0f * u.x, r = sqrt(fmax(0.0f, 1.0f - z * z));
         point.surface = sphere_point(sphere, (float3)(r * cos(phi), r * sin(phi), z));
         point.pdf = area_to_solid_angle(1.0f / (4.0f * PI * r2), reference, &point.surface);
@@ -108,7 +115,7 @@ static inline float sphere_sample_pdf(const scene_t *scene, uint index, float3 r
     float r2 = sphere->radius * sphere->radius;
     float3 to_center = load3(sphere->center) - reference;
     float distance2 = dot(to_center, to_center);
-    if (distance2 <= r2)
+    if (!sphere_is_outside(sphere, distance2))
         return area_to_solid_angle(1.0f / (4.0f * PI * r2), reference, surface);
     return INV_TWO_PI / sphere_one_minus_cos(r2, distance2);
 }

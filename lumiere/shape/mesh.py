@@ -48,11 +48,11 @@ class Mesh(Shape):
         from lumiere.compile.filematerial import material_of
         from lumiere.meshfile import MeshPart, clean, load_mesh, vertex_normals
 
+        own_materials = self.material is None if self.use_file_materials is None else self.use_file_materials
         if self.file is not None:
-            parts = load_mesh(self.file)
+            parts = load_mesh(self.file, materials=own_materials)
         else:
             parts = [MeshPart(vertices=self.vertices, faces=self.faces, normals=self.normals, uvs=self.uvs)]
-        own_materials = self.material is None if self.use_file_materials is None else self.use_file_materials
         lowered = []
         for part in parts:
             faces, dropped = clean(part.vertices, part.faces)

@@ -9,6 +9,7 @@ import numpy as np
 
 from lumiere.scene.fields import number, vector
 from lumiere.shape import SHAPES, DeviceShape, Primitives, Shape, outwards
+from lumiere.shape.ellipsoid import ellipsoid
 
 
 class SphereShape(DeviceShape):
@@ -31,29 +32,24 @@ class SphereShape(DeviceShape):
 @SHAPES.register
 @dataclass(kw_only=True)
 class Sphere(Shape):
-    """A sphere, normal outwards. uv is lat-long about its own Y: u grows to the right seen from outside with 0.5 at +Z, v from −Y to +Y."""
+    """A sphere, normal outwards; an ellipsoid where its transform stretches it. uv is lat-long about its own Y: u grows to the right seen from outside with 0.5 at +Z, v from −Y to +Y."""
 
     type: ClassVar[str] = "sphere"
 
     position: tuple[float, float, float] = vector((0.0, 0.0, 0.0), doc="the centre, metres")
     radius: float = number(1.0, low=0.0, low_open=True, doc="metres")
 
-    def check(self) -> str | None:
-        """What is wrong with the transform, or None."""
-        if self.transform is None:
-            return None
-        linear = self.matrix()[:3, :3]
-        gram = linear.T @ linear
-        scale = np.trace(gram) / 3.0
-        if not np.allclose(gram, scale * np.eye(3), atol=1e-6 * scale):
-            return "found a transform that stretches the sphere, expected the same scale on every axis (a stretched sphere is a mesh)"
-        return None
-
     def lower(self) -> list[Primitives]:
         matrix = self.matrix()
-        scale = np.cbrt(abs(np.linalg.det(matrix[:3, :3])))
+        linear = matrix[:3, :3]
+        center = linear @ np.array(self.position) + matrix[:3, 3]
+        gram = linear.T @ linear
+        scale2 = np.trace(gram) / 3.0
+        if self.transform is not None and not np.allclose(gram, scale2 * np.eye(3), atol=1e-6 * scale2):
+            return [ellipsoid(center, self.radius * linear)]
+        scale = np.sqrt(scale2)
         records = np.zeros(1, dtype=SphereShape.record)
-        records["center"] = matrix[:3, :3] @ np.array(self.position) + matrix[:3, 3]
+        records["center"] = center
         records["radius"] = self.radius * scale
-        records["to_local"] = matrix[:3, :3].T / scale
+        records["to_local"] = linear.T / scale
         return [Primitives(SphereShape, records)]
