@@ -30,6 +30,24 @@ class Mapping:
         return (uvs * self.scale) @ np.array([[c, -s], [s, c]]) + self.offset
 
 
+NUMBERS = (
+    ("ior", "KHR_materials_ior", "ior"),
+    ("specular", "KHR_materials_specular", "specularFactor"),
+    ("clearcoat", "KHR_materials_clearcoat", "clearcoatFactor"),
+    ("clearcoat_roughness", "KHR_materials_clearcoat", "clearcoatRoughnessFactor"),
+    ("sheen_roughness", "KHR_materials_sheen", "sheenRoughnessFactor"),
+    ("transmission", "KHR_materials_transmission", "transmissionFactor"),
+    ("anisotropy", "KHR_materials_anisotropy", "anisotropyStrength"),
+)
+"""What FileMaterial has of the extensions: its attribute, the extension, the extension's key."""
+COLORS = (
+    ("specular_color", "KHR_materials_specular", "specularColorFactor"),
+    ("sheen_color", "KHR_materials_sheen", "sheenColorFactor"),
+)
+PICTURES = tuple((f"{name}_image", extension, key.replace("Factor", "Texture"))
+                 for name, extension, key in (*NUMBERS[1:6], *COLORS))
+
+
 class Materials:
     """The materials of a file, each made once and with its pictures read only where it is used."""
 
@@ -51,18 +69,30 @@ class Materials:
         pbr = entry.get("pbrMetallicRoughness", {})
         name = str(entry.get("name", ""))
         infos = [pbr.get("baseColorTexture"), pbr.get("metallicRoughnessTexture"), entry.get("normalTexture"), entry.get("emissiveTexture")]
-        mappings = {_mapping(info) for info in infos if info is not None}
+        extensions = {str(key): value for key, value in entry.get("extensions", {}).items() if isinstance(value, dict)}
+        of_extensions = [extensions.get(extension, {}).get(key) for _, extension, key in PICTURES]
+        mappings = {_mapping(info) for info in [*infos, *of_extensions] if info is not None}
         if len(mappings) > 1:
             raise MeshFileError(f"found pictures of material {name!r} on different uv sets or transforms, expected one for all of them")
         base_color, base_alpha = _floats(pbr.get("baseColorFactor", [1, 1, 1, 1]), 4)[:3], pbr.get("baseColorFactor", [1, 1, 1, 1])[3]
-        strength = entry.get("extensions", {}).get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1.0)
+        strength = extensions.get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1.0)
         material = FileMaterial(
             name=name, base_color=base_color, base_color_image=self._picture(infos[0]),
             metallic=float(pbr.get("metallicFactor", 1.0)), roughness=float(pbr.get("roughnessFactor", 1.0)),
             metallic_roughness_image=self._picture(infos[1]), normal_image=self._picture(infos[2]),
             emission=_floats([strength * e for e in entry.get("emissiveFactor", [0, 0, 0])], 3), emission_image=self._picture(infos[3]),
             opacity=float(base_alpha), alpha_mode=str(entry.get("alphaMode", "OPAQUE")).lower(),
-            alpha_cutoff=float(entry.get("alphaCutoff", 0.5)), double_sided=bool(entry.get("doubleSided", False)))
+            alpha_cutoff=float(entry.get("alphaCutoff", 0.5)), double_sided=bool(entry.get("doubleSided", False)),
+            normal_scale=float((infos[2] or {}).get("scale", 1.0)), unlit="KHR_materials_unlit" in extensions,
+            thin=not extensions.get("KHR_materials_volume", {}).get("thicknessFactor", 0.0))
+        for name, extension, key in NUMBERS:
+            if key in extensions.get(extension, {}):
+                setattr(material, name, _number(extensions[extension][key], key))
+        for name, extension, key in COLORS:
+            if key in extensions.get(extension, {}):
+                setattr(material, name, _floats(extensions[extension][key], 3))
+        for (name, _, _), info in zip(PICTURES, of_extensions, strict=True):
+            setattr(material, name, self._picture(info))
         if material.alpha_mode not in ("opaque", "blend", "mask"):
             raise MeshFileError(f"found alphaMode {entry['alphaMode']!r}, expected OPAQUE, BLEND or MASK")
         return material, mappings.pop() if mappings else Mapping()
@@ -78,6 +108,13 @@ class Materials:
             data = self.document.resource(image["uri"], what) if "uri" in image else bytes(self.document.view(image["bufferView"])[0])
             self._pictures[source] = data if isinstance(data, Path) else decode(data, what)
         return self._pictures[source]
+
+
+def _number(value: Any, what: str) -> float:
+    number = float(value)
+    if not np.isfinite(number):
+        raise MeshFileError(f"found {value} for {what}, expected a finite number")
+    return number
 
 
 def _floats(values: Any, count: int) -> tuple[float, ...]:

@@ -23,6 +23,10 @@ class FileMaterial:
     holds roughness in green, metallic in blue. ``normal_image`` is in tangent space and linear. ``opacity`` is multiplied by the alpha of
     ``base_color_image``, and counts only where ``alpha_mode`` is ``blend`` (as it is) or ``mask`` (1 from ``alpha_cutoff`` up, else 0), not
     where it is ``opaque``.
+
+    What follows ``double_sided`` is what glTF's extensions add. Of their pictures, linear but for the two colours', ``clearcoat_image`` and
+    ``transmission_image`` count by red, ``clearcoat_roughness_image`` by green, ``sheen_roughness_image`` and ``specular_image`` by alpha.
+    ``thin`` says that what transmits is a film without volume; ``unlit`` that the base colour is what is seen, whatever the light.
     """
 
     name: str = ""
@@ -38,6 +42,25 @@ class FileMaterial:
     alpha_mode: str = "opaque"
     alpha_cutoff: float = 0.5
     double_sided: bool = False
+    normal_scale: float = 1.0
+    ior: float = 1.5
+    specular: float = 1.0
+    specular_image: Picture | None = None
+    specular_color: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    specular_color_image: Picture | None = None
+    clearcoat: float = 0.0
+    clearcoat_image: Picture | None = None
+    clearcoat_roughness: float = 0.0
+    clearcoat_roughness_image: Picture | None = None
+    sheen_color: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    sheen_color_image: Picture | None = None
+    sheen_roughness: float = 0.0
+    sheen_roughness_image: Picture | None = None
+    transmission: float = 0.0
+    transmission_image: Picture | None = None
+    thin: bool = True
+    anisotropy: float = 0.0
+    unlit: bool = False
 
 
 @dataclass

@@ -1,5 +1,0 @@
-"""The devices of the BSDF tests."""
-
-from tests.bsdf.conftest import device
-
-__all__ = ["device"]
