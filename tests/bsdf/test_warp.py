@@ -37,9 +37,10 @@ def test_warp(device: cl.Device, name: str) -> None:
     u[:4] = [[0.0, 0.0], [1.0 - 2.0**-24, 1.0 - 2.0**-24], [0.5, 0.5], [0.0, 0.5]]
     context = cl.Context([device])
     queue = cl.CommandQueue(context)
+    text = assemble("lib/warp.cl") + KERNEL.replace("WARP(vload2(i, u))", call.replace("(u", "(vload2(i, u)"))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", cl.CompilerWarning)
-        program = cl.Program(context, assemble("lib/warp.cl") + KERNEL.replace("WARP(vload2(i, u))", call.replace("(u", "(vload2(i, u)"))).build()
+        program = cl.Program(context, text).build()
     points = np.zeros((SAMPLES, 3), np.float32)
     read = cl.Buffer(context, cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR, hostbuf=u)
     written = cl.Buffer(context, cl.mem_flags.WRITE_ONLY, points.nbytes)
@@ -53,5 +54,6 @@ def test_warp(device: cl.Device, name: str) -> None:
         assert np.all(length <= 1.0 + 1e-6)
     else:
         assert np.all(np.abs(length - 1.0) < 1e-6) and np.all(points[:, 2] >= 0.0)
-    counts, _, _ = np.histogram2d(np.clip(radial(points), 0.0, 1.0), np.arctan2(points[:, 1], points[:, 0]), [16, 32], [[0.0, 1.0], [-np.pi, np.pi]])
+    azimuth = np.arctan2(points[:, 1], points[:, 0])
+    counts, _, _ = np.histogram2d(np.clip(radial(points), 0.0, 1.0), azimuth, [16, 32], [[0.0, 1.0], [-np.pi, np.pi]])
     assert chi_square(counts.ravel(), np.full(counts.size, SAMPLES / counts.size)) > sidak(1e-3, len(WARPS))
