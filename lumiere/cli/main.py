@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 import lumiere
-from lumiere.cli import devices, render, tradeoff, validate
+from lumiere.cli import devices, profile, render, tradeoff, validate
 from lumiere.errors import LumiereError, UsageError
 
-COMMANDS = (render, devices, validate, tradeoff)
+COMMANDS = (render, devices, validate, profile, tradeoff)
 """One module a subcommand: ``add`` declares its arguments, ``run`` carries it out and returns the exit status."""
 
 

@@ -1,0 +1,1 @@
+"""Where a render's time goes: ``lumiere profile`` (docs/performance.md)."""
