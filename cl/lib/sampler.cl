@@ -23,6 +23,7 @@ typedef struct {
 #define DIMENSION_LOBE 2u       // which lobe of the BSDF
 #define DIMENSION_BSDF 3u       // which direction
 #define DIMENSION_ROULETTE 4u
+#define DIMENSION_MIX 5u        // which part of a mix
 
 static inline uint vertex_dimension(uint depth, uint which)
 {

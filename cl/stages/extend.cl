@@ -3,6 +3,8 @@
 // From: generate (new paths), shade (paths that go on).
 // To:   shade, by the kind of BSDF that was met; escape, where there is something beyond the scene; else the slot is idle.
 
+#include "lib/math.cl"
+#include "lib/mix.cl"
 #include "lib/path.cl"
 #include "lib/queue.cl"
 #include "lib/sampler.cl"
@@ -46,8 +48,17 @@ kernel WORK_GROUP TRACES void extend(STAGE_PARAMETERS)
         if (trace_nearest(&scene, &ray, &hit)) {
             path_set_hit(&path, slot, (float3)(hit.t, hit.u, hit.v));
             path_set_primitive(&path, slot, hit.primitive);
+#if SHADE_QUEUES > 1 || defined(MIXES)
+            uint row = scene.primitive_objects[hit.primitive];
+#endif
+#ifdef MIXES
+            sequence_t sampler = sequence_new(&scene, path_get_seed(&path, slot), path_get_index(&path, slot));
+            uint which = sample_1d(&sampler, vertex_dimension(path_get_depth(&path, slot), DIMENSION_MIX));
+            row = choose_part(&scene, row, &ray, &hit, unit_float(which));
+            path_set_object(&path, slot, row);
+#endif
 #if SHADE_QUEUES > 1
-            next = QUEUE_SHADE_0 + scene.objects[scene.primitive_objects[hit.primitive]].shade_queue;
+            next = QUEUE_SHADE_0 + scene.objects[row].shade_queue;
 #else
             next = QUEUE_SHADE_0;
 #endif

@@ -197,7 +197,11 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
     vertex.depth = path_get_depth(path, slot);
     vertex.sample = path_get_sample(path, slot);
     uint object_index = scene->primitive_objects[hit.primitive];
+#ifdef MIXES
+    global const object_t *object = scene->objects + path_get_object(path, slot);
+#else
     global const object_t *object = scene->objects + object_index;
+#endif
     add_emission(scene, path, samples, slot, hit.primitive, object, &vertex.surface, ray.d, vertex.depth);
 #ifndef FIRST_HIT_AOVS
     if (vertex.depth >= scene->render->max_depth)

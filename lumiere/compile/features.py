@@ -45,6 +45,8 @@ class Features:
     textured_opacity: bool = False
     normal_map: bool = False
     bump_map: bool = False
+    mixes: bool = False
+    textured_mixes: bool = False
     triangle_corners: bool = False
     vertex_normals: bool = False
     vertex_uvs: bool = False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,9 @@ import numpy as np
 
 from lumiere.bsdf import Material
 from lumiere.bsdf.lambert import Lambert
+from lumiere.bsdf.mix import Mix
 from lumiere.bsdf.principled import Principled
+from lumiere.bsdf.thin_dielectric import ThinDielectric
 from lumiere.imagefile import read_image
 from lumiere.meshfile import FileMaterial
 from lumiere.texture import Texture
@@ -72,6 +75,11 @@ def material_of(material: FileMaterial) -> Material:
         common["emission"] = _color(material.emission, material.emission_image)
     if material.normal_image is not None:
         common["normal_map"] = _normal_map(material)
+    transmission = _number(material.transmission, material.transmission_image, "r")
+    if material.thin and material.transmission > 0.0:
+        film = ThinDielectric(ior=max(1.0, material.ior), transmittance=base_color)
+        opaque = material_of(replace(material, transmission=0.0, emission=BLACK, normal_image=None, alpha_mode="opaque"))
+        return Mix(a=opaque, b=film, weight=transmission, **common)
     packed = material.metallic_roughness_image
     specular = 0.5 * material.specular
     return Principled(
@@ -82,5 +90,5 @@ def material_of(material: FileMaterial) -> Material:
         clearcoat_roughness=_number(material.clearcoat_roughness, material.clearcoat_roughness_image, "g"),
         sheen=_color(material.sheen_color, material.sheen_color_image),
         sheen_roughness=_number(material.sheen_roughness, material.sheen_roughness_image, "a"), anisotropy=material.anisotropy,
-        transmission=_number(material.transmission, material.transmission_image, "r"),
+        transmission=transmission,
         two_sided=material.transmission == 0.0, **common)

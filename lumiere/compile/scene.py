@@ -13,12 +13,14 @@ import numpy as np
 from lumiere.accel import Accelerator, choose
 from lumiere.bsdf import Material
 from lumiere.bsdf.lambert import Lambert
+from lumiere.bsdf.mix import Mix
 from lumiere.camera import Camera
 from lumiere.camera.perspective import Perspective
 from lumiere.compile.features import Features
 from lumiere.compile.geometry import Object, ShapeGroup, Vertices, group_shapes
 from lumiere.compile.lights import LightTable, light_table, mean_emission
 from lumiere.compile.materials import NO_TEXTURE, MaterialTable
+from lumiere.compile.mix import Row, rows_of
 from lumiere.compile.textures import TextureTable
 from lumiere.device.source import c_struct
 from lumiere.errors import SceneError
@@ -63,16 +65,17 @@ def compile_scene(scene: Scene, *, wide: bool = True,
     objects, lights = _lower(scene)
     textures = TextureTable()
     materials = MaterialTable(textures, scene.integrator.energy_compensation)
-    places = [materials.place(o.material) for o in objects]
+    rows = rows_of(objects)
+    places = [("", 0) if row.mixed else materials.place(row.material) for row in rows]
     emissive = any(mean_emission(o.emission) > 0.0 for o in objects)
     if not lights and not emissive:
         lights = [EnvironmentLight()]
     records = {kind: materials.records(kind) for kind in materials.members}
     emissions, emission_of = _emissions(objects, textures)
-    maps = {id(o.material): _maps(o.material, textures) for o in objects}
+    maps = [_maps(row, textures) for row in rows]
 
     uses_uv = "uv" in textures.uses or "uv" in scene.film.aovs
-    tangent = any(o.material.needs_tangent for o in objects)
+    tangent = any(row.material.needs_tangent for row in rows)
     uses_uv = uses_uv or tangent
     has_normals = any(o.primitives.normals is not None for o in objects)
     keep = (("normals",) if has_normals else ()) + (("uvs",) if uses_uv else ()) + (("colors",) if "color" in textures.uses else ())
@@ -83,7 +86,7 @@ def compile_scene(scene: Scene, *, wide: bool = True,
     table = light_table(lights, objects, groups, radius)
     camera = scene.camera or _framing_camera(center, radius)
 
-    features = _features(scene, objects, groups, vertices, materials, table, camera, emissive=emissive and len(emissions) > 0,
+    features = _features(scene, objects, rows, groups, vertices, materials, table, camera, emissive=emissive and len(emissions) > 0,
                          uses_uv=uses_uv, tangent=tangent, textured_emission=any(isinstance(o.emission, Texture) for o in objects))
     buffers = SceneBuffers(features, bsdf_parameters={kind: materials.parameters[kind] for kind in sorted(materials.members)})
     buffers.seconds["accelerator"] = accelerator_seconds
@@ -96,7 +99,7 @@ def compile_scene(scene: Scene, *, wide: bool = True,
     _add_render(buffers, scene, groups, table)
     _add_camera(buffers, camera, scene.film.width, scene.film.height)
     _add_geometry(buffers, groups, vertices)
-    _add_objects(buffers, objects, places, emission_of, [maps[id(o.material)] for o in objects])
+    _add_objects(buffers, rows, places, emission_of, maps)
     for kind in sorted(records):
         buffers.add(f"{kind}_materials", f"{kind}_record_t", records[kind])
     for kind in features.textures:
@@ -179,13 +182,14 @@ def _emissions(objects: list[Object], textures: TextureTable) -> tuple[np.ndarra
     return np.array(rows, dtype=dtype), numbers
 
 
-def _features(scene: Scene, objects: list[Object], groups: list[ShapeGroup], vertices: Vertices, materials: MaterialTable, table: LightTable,
-              camera: Camera, *, emissive: bool, uses_uv: bool, tangent: bool, textured_emission: bool) -> Features:
+def _features(scene: Scene, objects: list[Object], rows: list[Row], groups: list[ShapeGroup], vertices: Vertices, materials: MaterialTable,
+              table: LightTable, camera: Camera, *, emissive: bool, uses_uv: bool, tangent: bool, textured_emission: bool) -> Features:
     kinds = tuple(table.kinds)
     infinite = tuple(kind for kind, members in table.kinds.items() if members[0].infinite)
     mode = scene.integrator.light_sampling
     delta = any(not members[0].infinite for members in table.kinds.values())
-    used = [o.material for o in objects]
+    used = [row.material for row in rows if not row.mixed]
+    mixes = [row.material for row in rows if row.mixed]
     specular = tuple(sorted({m.device_kind for m in used if m.purely_specular}))
     scatters = scene.integrator.max_depth > 0 and any(not m.purely_specular for m in used)
     next_event = scatters and (delta or (table.count > 0 and mode != "bsdf"))
@@ -199,8 +203,9 @@ def _features(scene: Scene, objects: list[Object], groups: list[ShapeGroup], ver
         light_sampling=mode, bsdf_pdf=len(table.emitters) > 0 or bool(infinite), eta_scale=any(m.refracts for m in used),
         camera_lens=camera.uses_lens, camera_partial=camera.type == "fisheye", filter_table=scene.film.filter.table() is not None,
         clamp_indirect=scene.integrator.clamp_indirect is not None,
-        opacity=any(_translucent(m) for m in used), textured_opacity=any(isinstance(m.opacity, Texture) for m in used),
-        normal_map=any(m.normal_map is not None for m in used), bump_map=any(m.bump_map is not None for m in used),
+        opacity=any(_translucent(o.material) for o in objects), textured_opacity=any(isinstance(o.material.opacity, Texture) for o in objects),
+        normal_map=any(row.normal_map is not None for row in rows), bump_map=any(row.bump_map is not None for row in rows),
+        mixes=len(mixes) > 0, textured_mixes=any(isinstance(m.weight, Texture) for m in mixes),
         visibility=any(not (o.shape.visible.camera and o.shape.visible.shadow) for o in objects),
         triangle_corners=any(group.corners is not None for group in groups),
         vertex_normals=any(o.primitives.normals is not None for o in objects),
@@ -274,13 +279,14 @@ def _translucent(material: Material) -> bool:
     return isinstance(material.opacity, Texture) or material.opacity < 1.0
 
 
-def _maps(material: Material, textures: TextureTable) -> dict[str, int]:
-    """Device ids of the textures that a material carries whatever its kind."""
-    carried = {"opacity_texture": material.opacity, "normal_map": material.normal_map, "bump_map": material.bump_map}
+def _maps(row: Row, textures: TextureTable) -> dict[str, int]:
+    """Device ids of the textures that a material carries whatever its kind, and of a mix's weight."""
+    carried = {"opacity_texture": row.object.material.opacity, "normal_map": row.normal_map, "bump_map": row.bump_map,
+               "mix_weight_texture": row.material.weight if isinstance(row.material, Mix) else None}
     return {name: textures.id(value) if isinstance(value, Texture) else NO_TEXTURE for name, value in carried.items()}
 
 
-def _add_objects(buffers: SceneBuffers, objects: list[Object], places: list[tuple[str, int]], emission_of: list[int],
+def _add_objects(buffers: SceneBuffers, rows: list[Row], places: list[tuple[str, int]], emission_of: list[int],
                  maps: list[dict[str, int]]) -> None:
     """The object table, with a column for each thing that some object of the scene has."""
     features = buffers.features
@@ -289,21 +295,24 @@ def _add_objects(buffers: SceneBuffers, objects: list[Object], places: list[tupl
         ("material", "<u4", True), ("flags", "<u4", True), ("shade_queue", "<u4", len(queues) > 1),
         ("material_id", "<u4", "material_id" in features.aovs), ("emission", "<i4", features.emission), ("opacity", "<f4", features.opacity),
         ("opacity_texture", "<u4", features.textured_opacity), ("normal_map", "<u4", features.normal_map),
-        ("bump_map", "<u4", features.bump_map), ("bump_scale", "<f4", features.bump_map)]
-    records = np.zeros(len(objects), dtype=np.dtype([(name, sort) for name, sort, present in columns if present]))
+        ("bump_map", "<u4", features.bump_map), ("bump_scale", "<f4", features.bump_map), ("mix_a", "<u4", features.mixes),
+        ("mix_b", "<u4", features.mixes), ("mix_weight", "<f4", features.mixes), ("mix_weight_texture", "<u4", features.textured_mixes)]
+    records = np.zeros(len(rows), dtype=np.dtype([(name, sort) for name, sort, present in columns if present]))
     named: dict[int, int] = {}
-    for record, o, (kind, index), emission, textures in zip(records, objects, places, emission_of, maps, strict=True):
-        material, visible = o.material, o.shape.visible
-        two_sided = material.reflective if material.two_sided is None else material.two_sided
+    for record, row, (kind, index), textures in zip(records, rows, places, maps, strict=True):
+        material, visible = row.object.material, row.object.shape.visible
+        sides = row.material.two_sided if row.material.two_sided is not None else material.two_sided
+        two_sided = row.material.reflective if sides is None else sides
+        weight = row.material.weight if isinstance(row.material, Mix) else 0.0
         values = {
-            "material": index, "shade_queue": queues.index(kind), "material_id": named.setdefault(id(material), len(named)),
+            "material": index, "shade_queue": 0 if row.mixed else queues.index(kind), "material_id": named.setdefault(id(material), len(named)),
             "flags": (TWO_SIDED * bool(two_sided) | VISIBLE_TO_CAMERA * visible.camera | VISIBLE_TO_SHADOW * visible.shadow
                       | TRANSLUCENT * _translucent(material)),
-            "emission": emission, "opacity": 1.0 if isinstance(material.opacity, Texture) else material.opacity,
-            "bump_scale": material.bump_scale, **textures}
+            "emission": emission_of[row.number], "opacity": 1.0 if isinstance(material.opacity, Texture) else material.opacity,
+            "bump_scale": row.bump_scale, "mix_a": row.a, "mix_b": row.b, "mix_weight": 0.0 if isinstance(weight, Texture) else weight, **textures}
         for name in records.dtype.names or ():
             record[name] = values[name]
-    if len(objects):
+    if len(rows):
         buffers.add("objects", "object_t", records)
 
 

@@ -15,7 +15,7 @@ UNSUPPORTED: dict[tuple[str, str], frozenset[str]] = {
     ("scene", "media"): ANY,
     ("camera", "shutter"): ANY,
     ("integrator", "type"): frozenset({"bdpt"}),
-    ("material", "type"): frozenset({"subsurface", "mix", "null"}),
+    ("material", "type"): frozenset({"subsurface", "null"}),
     ("material", "subsurface"): NON_ZERO,
     ("material", "interior"): ANY,
     ("geometry", "type"): frozenset({"group", "instance"}),

@@ -38,7 +38,8 @@ def _defines(features: Features, policy: Policy) -> str:
         "CAMERA_PARTIAL": features.camera_partial, "FILTER_TABLE": features.filter_table, "CLAMP_INDIRECT": features.clamp_indirect,
         "PIXEL_LIST": features.pixel_list,
         "VISIBILITY": features.visibility, "OPACITY": features.opacity, "TEXTURED_OPACITY": features.textured_opacity,
-        "NORMAL_MAP": features.normal_map, "BUMP_MAP": features.bump_map, "TRIANGLE_CORNERS": features.triangle_corners,
+        "NORMAL_MAP": features.normal_map, "BUMP_MAP": features.bump_map, "MIXES": features.mixes, "TEXTURED_MIXES": features.textured_mixes,
+        "TRIANGLE_CORNERS": features.triangle_corners,
         "VERTEX_NORMALS": features.vertex_normals,
         "VERTEX_UVS": features.vertex_uvs, "VERTEX_COLORS": features.vertex_colors, "SURFACE_UV": features.surface_uv,
         "SURFACE_TANGENT": features.surface_tangent, "SURFACE_COLOR": features.surface_color,
@@ -118,6 +119,7 @@ def generated_sources(buffers: SceneBuffers, policy: Policy) -> dict[str, str]:
         "scene/lights.cl": lights,
         "scene/emission.cl": '#include "lib/textures.cl"\n' if features.textured_emission else "",
         "scene/opacity.cl": '#include "lib/textures.cl"\n' if features.textured_opacity else "",
+        "scene/mix.cl": '#include "lib/textures.cl"\n' if features.textured_mixes else "",
         "scene/tilt.cl": '#include "lib/textures.cl"\n' if features.normal_map or features.bump_map else "",
         "scene/textures.cl": "".join(f'#include "texture/{kind}.cl"\n' for kind in features.textures)
         + _for_each("TEXTURE", features.textures, numbered=True),

@@ -37,6 +37,7 @@ PATH_FIELDS = (
     PathField("bsdf_pdf", "float", "density of the direction over solid angle; 0 from the camera or a specular lobe", "bsdf_pdf"),
     PathField("eta_scale", "float", "product of η² over the interfaces crossed", "eta_scale"),
     PathField("primitive", "uint", "that the ray met"),
+    PathField("object", "uint", "row of the object table that shades the meeting", "mixes"),
     PathField("hit", "float3", "t, u, v of the meeting"),
     PathField("shadow_origin", "float3", "of the shadow ray", "next_event_estimation"),
     PathField("shadow_direction", "float3", "of the shadow ray; to the light's point, or unit for an infinite light", "next_event_estimation"),

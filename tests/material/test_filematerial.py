@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 from lumiere.bsdf.lambert import Lambert
+from lumiere.bsdf.mix import Mix
 from lumiere.bsdf.principled import Principled
+from lumiere.bsdf.thin_dielectric import ThinDielectric
 from lumiere.compile.filematerial import material_of
 from lumiere.errors import SceneError
 from lumiere.meshfile import FileMaterial, load_mesh
@@ -69,6 +71,12 @@ def test_every_extension_is_read(tmp_path: Path) -> None:
 
 def test_a_file_without_extensions_has_no_lobe_of_theirs(tmp_path: Path) -> None:
     assert material_of(read(tmp_path, {})).device_features == Principled().device_features
+
+
+def test_a_film_without_volume_bends_no_light(tmp_path: Path) -> None:
+    made = material_of(read(tmp_path, {"emissiveFactor": [1, 1, 1], "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.9}}}))
+    assert isinstance(made, Mix) and made.check() is None and made.weight == 0.9 and made.emission == (1.0, 1.0, 1.0)
+    assert isinstance(made.a, Principled) and isinstance(made.b, ThinDielectric)
 
 
 def test_unlit_shows_its_colour_whatever_the_light(tmp_path: Path) -> None:
