@@ -5,5 +5,5 @@ from setuptools import find_packages, setup
 setup(
     packages=[*find_packages(include=["lumiere", "lumiere.*"]), "lumiere.cl"],
     package_dir={"lumiere.cl": "cl"},
-    package_data={"lumiere.cl": ["**/*.cl"]},
+    package_data={"lumiere.cl": ["**/*.cl"], "lumiere.doctor": ["data/*"]},
 )

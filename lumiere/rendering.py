@@ -60,6 +60,8 @@ class Render:
         policy = policy_for(self.device, self.samples, bytes_per_path, 4 * buffers.features.channel_count())
         if overrides.slots is not None:
             policy = replace(policy, slots=-(-overrides.slots // policy.work_group) * policy.work_group)
+        if overrides.compacted is not None:
+            policy = replace(policy, compacted=overrides.compacted)
         context = cl.Context([self.device])
         properties = cl.command_queue_properties.PROFILING_ENABLE if profiling else 0
         queue = cl.CommandQueue(context, self.device, properties)

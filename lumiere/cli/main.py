@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 import lumiere
-from lumiere.cli import devices, profile, render, tradeoff, validate
+from lumiere.cli import devices, doctor, profile, render, trace_path, tradeoff, validate
 from lumiere.errors import LumiereError, UsageError
 
-COMMANDS = (render, devices, validate, profile, tradeoff)
+COMMANDS = (render, devices, validate, profile, tradeoff, doctor, trace_path)
 """One module a subcommand: ``add`` declares its arguments, ``run`` carries it out and returns the exit status."""
 
 

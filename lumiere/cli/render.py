@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 import sys
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,9 @@ from lumiere.cli.interrupt import StopOnSignal
 from lumiere.cli.progress import ProgressDisplay
 from lumiere.cli.values import above_zero, clock, seconds, whole, with_prefix
 from lumiere.errors import LumiereError, UsageError
+
+SHOWN_SAMPLES = 3
+"""Samples that were not finite, of which the command to replay them is shown."""
 
 INTERRUPTED = 130
 """Exit status after SIGINT or SIGTERM: 128 + SIGINT, as shells have it."""
@@ -65,7 +69,17 @@ def run(options: argparse.Namespace) -> int:
             writes.append((Path(options.record), lambda path: write_record(image.record, path)))
         _write_all(writes)
     sys.stderr.write(f"lumiere: {_summary(image.record, [path for path, _ in writes], interrupted=stop())}\n")
+    for command in _trace_commands(image.record, options):
+        sys.stderr.write(f"lumiere: to see what happened there: {command}\n")
     return INTERRUPTED if stop() else 0
+
+
+def _trace_commands(record: dict[str, Any], options: argparse.Namespace) -> list[str]:
+    """`lumiere trace-path` for the first samples that were not finite."""
+    given = [f"--{name.replace('_', '-')} {value}" for name in ("width", "height", "max_depth", "seed", "spp", "device")
+             if (value := getattr(options, name)) is not None]
+    return [" ".join(["lumiere trace-path", shlex.quote(options.scene), f"--pixel {at['x']} {at['y']}", f"--sample {at['sample']}", *given])
+            for at in record.get("non_finite", {}).get("samples", [])[:SHOWN_SAMPLES]]
 
 
 def _size(scene: Any, options: argparse.Namespace) -> tuple[int, int]:

@@ -62,7 +62,7 @@ class SceneBuffers:
 def compile_scene(scene: Scene, *, wide: bool = True,
                   choose_accelerator: Callable[[str, int, bool, bool], Accelerator] = choose) -> SceneBuffers:
     """Compiles a validated scene, for a device with wide vectors (CPUs) or without. Raises SceneError where a file that it names is not what it should be."""
-    objects, lights = _lower(scene)
+    objects, lights = lower(scene)
     textures = TextureTable()
     materials = MaterialTable(textures, scene.integrator.energy_compensation)
     rows = rows_of(objects)
@@ -117,7 +117,7 @@ def compile_scene(scene: Scene, *, wide: bool = True,
     return buffers
 
 
-def _lower(scene: Scene) -> tuple[list[Object], list[Light]]:
+def lower(scene: Scene) -> tuple[list[Object], list[Light]]:
     """The objects of the scene, with the shapes that stand for its area lights, and the lights that are not shapes."""
     shapes = list(scene.geometry)
     lights = []

@@ -161,6 +161,20 @@ class Wavefront:
             found["CONNECT"] = int(np.count_nonzero(slots[1]))
         return found
 
+    def snapshot(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """For diagnosis, with queues that are not compacted and one sample in flight: path state of floats and of unsigned integers, (words, slots);
+        the slots' tags and whether they want connect; the first sample's radiance, float64.
+        """
+        import pyopencl as cl
+
+        floats, uints = words_per_path(self.buffers.features)
+        slots, stride = self.policy.slots, int(self._arguments[2])
+        arrays = (np.zeros((floats, stride), np.float32), np.zeros((uints, stride), np.uint32), np.zeros(2 * slots, np.uint32),
+                  np.zeros((3, self.sample_stride), np.float32))
+        for array, buffer in zip(arrays, (self._arguments[0], self._arguments[1], self._queue_slots, self._samples), strict=True):
+            cl.enqueue_copy(self.queue, array, buffer, is_blocking=True)
+        return (*arrays[:2], arrays[2][:slots], arrays[2][slots:], arrays[3][:, 0].astype(np.float64))
+
     def finish(self) -> None:
         """Waits for the device."""
         self.queue.finish()

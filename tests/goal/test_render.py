@@ -62,7 +62,7 @@ def test_the_limit_is_kept_and_said(device: Any) -> None:
 
 def test_adaptive_pixels_hold_the_samples_of_their_count(device: Any) -> None:
     """Whatever rounds and batches they came in: each pixel is that of a uniform render of as many samples, bit by bit."""
-    scene = _adaptive(0.005, 2048)
+    scene = _adaptive(0.03, 4096)
     scene.film.aovs = ("sample_count",)
     image = api.render(scene, device=device.name)
     counts = image.aovs["sample_count"]

@@ -1,0 +1,1 @@
+"""Replaying single paths on the device, to see what each vertex did."""

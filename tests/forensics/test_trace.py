@@ -1,0 +1,49 @@
+"""A replayed path is the path: its radiance is the sample's, its parts are what is known in closed form."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lumiere import api
+from lumiere.errors import UsageError
+from lumiere.scene.model import Scene
+from lumiere.trace.report import trace_path
+from lumiere.trace.watch import watch
+
+
+def _scene(**keys: Any) -> Scene:
+    return api.load({"scene": {
+        "camera": {"position": [0, 1, 4], "look_at": [0, 0.5, 0]}, "film": {"width": 6, "height": 5}, "integrator": {"max_depth": 5},
+        "geometry": [{"type": "plane", "name": "floor"},
+                     {"type": "sphere", "position": [0, 0.5, 0], "radius": 0.5, "material": {"type": "dielectric"}}],
+        "lights": [{"type": "area", "position": [1, 3, 0], "radius": 0.5, "radiance": 12}, {"type": "environment", "radiance": 0.2}], **keys}})
+
+
+def test_the_radiance_is_that_of_the_sample(device: Any) -> None:
+    """One sample a pixel: what trace-path says of sample 0 is the pixel, bit by bit."""
+    scene = _scene()
+    picture = api.render(scene, spp=1, device=device.name).pixels
+    for y, x in ((0, 0), (2, 3), (4, 1), (3, 2)):
+        path, _ = watch(scene, (x, y), 0, device.name)
+        assert np.array_equal(path.radiance.astype(np.float32), picture[y, x])
+        parts = sum(v.emitted + v.connected for v in path.vertices)
+        assert np.allclose(parts, path.radiance, rtol=1e-6)
+
+
+def test_weights_of_the_two_ways_add_up_to_one(device: Any) -> None:
+    """Light met by BSDF sampling at vertex k and light sampled at vertex k − 1 are weighed by the same densities."""
+    scene = dataclasses.replace(_scene(), integrator=dataclasses.replace(_scene().integrator, max_depth=2))
+    text = "\n".join(line for x in range(6) for y in range(5) for line in trace_path(scene, (x, y), 0, device.name))
+    assert "MIS weight" in text and "nan" not in text
+    assert "'floor' (plane)" in text and "vertex 1" in text
+    weights = [float(part.split()[0].rstrip(",")) for part in text.split("MIS weight ")[1:]]
+    assert all(0.0 < weight <= 1.0 + 1e-5 for weight in weights)
+
+
+def test_a_pixel_outside_is_refused() -> None:
+    with pytest.raises(UsageError, match="--pixel: found 6 0, expected x from 0 to 5"):
+        watch(_scene(), (6, 0), 0, None)
