@@ -61,11 +61,6 @@ class Material:
         return self.type
 
     @property
-    def specular(self) -> bool:
-        """``purely_specular``, where no parameter of the kind has this name."""
-        return self.purely_specular
-
-    @property
     def needs_tangent(self) -> bool:
         """Its shading depends on how the surface's uv run: it is anisotropic, or tilted by a map."""
         return bool(getattr(self, "anisotropy", 0.0)) or self.normal_map is not None or self.bump_map is not None
