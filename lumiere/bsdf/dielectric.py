@@ -15,7 +15,7 @@ class Dielectric(Material):
     """The surface of a transparent body: reflects and refracts. Its normal points out of the body.
 
     Fresnel's equations for unpolarised light; where rough, GGX microfacets after Walter et al. 2007 with height-correlated Smith shadowing,
-    which lose the light that would scatter more than once, or with the scene's ``energy_compensation`` give it back, to 0.015 (Kulla & Conty
+    which lose the light that would scatter more than once, or with the scene's ``energy_compensation`` give it back, to 0.012 (Kulla & Conty
     2017). α = roughness². ``ior`` is relative to what is around the body; 1 is
     invisible, below 1 is a bubble. Radiance carried into the body is scaled by ior² (Veach 1997, §5.2).
     """

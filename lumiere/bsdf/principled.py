@@ -57,7 +57,7 @@ class Principled(Material):
 
     @property
     def energy_tolerance(self) -> float:  # type: ignore[override]
-        return 0.015 if self.refracts else 0.005
+        return 0.012 if self.refracts else 0.005
 
     @property
     def device_features(self) -> tuple[str, ...]:  # type: ignore[override]

@@ -5,10 +5,7 @@ from __future__ import annotations
 from lumiere.scene.node import Node
 
 ANY = frozenset[str]()
-"""Whatever the key holds, unless that is nothing."""
-
-NON_ZERO = frozenset({"anything but 0"})
-"""Whatever the key holds, unless that is the number 0."""
+"""Whatever the key holds, unless that is nothing: null, an empty object or list, or 0."""
 
 UNSUPPORTED: dict[tuple[str, str], frozenset[str]] = {
     # (what the object is, its key): values
@@ -16,7 +13,7 @@ UNSUPPORTED: dict[tuple[str, str], frozenset[str]] = {
     ("camera", "shutter"): ANY,
     ("integrator", "type"): frozenset({"bdpt"}),
     ("material", "type"): frozenset({"subsurface", "null"}),
-    ("material", "subsurface"): NON_ZERO,
+    ("material", "subsurface"): ANY,
     ("material", "interior"): ANY,
     ("geometry", "type"): frozenset({"group", "instance"}),
 }
@@ -28,8 +25,8 @@ def refuse_unsupported(node: Node, noun: str) -> None:
         values = UNSUPPORTED.get((noun, key))
         if values is None:
             continue
-        empty = child.value is None or (isinstance(child.value, (dict, list)) and not child.value)
-        if (values is ANY and not empty) or (values is NON_ZERO and child.value != 0):
+        empty = child.value is None or (isinstance(child.value, (dict, list)) and not child.value) or (child.is_number and child.value == 0)
+        if values is ANY and not empty:
             raise child.error(f"not supported yet: {key}")
         if isinstance(child.value, str) and child.value in values:
             raise child.error(f"not supported yet: {child.value}")
