@@ -32,7 +32,9 @@ class SphereShape(DeviceShape):
 @SHAPES.register
 @dataclass(kw_only=True)
 class Sphere(Shape):
-    """A sphere, normal outwards; an ellipsoid where its transform stretches it. uv is lat-long about its own Y: u grows to the right seen from outside with 0.5 at +Z, v from −Y to +Y."""
+    """A sphere, normal outwards; an ellipsoid where its transform stretches it. uv is lat-long about its own Y: u grows to the right seen from
+    outside with 0.5 at +Z, v from −Y to +Y.
+    """
 
     type: ClassVar[str] = "sphere"
 
