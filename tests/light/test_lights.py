@@ -24,6 +24,7 @@ SAMPLE = """
     vstore3(w, item, out_floats);
     vstore3(s.radiance, probe_count + item, out_floats);
     out_floats[6u * probe_count + item] = s.pdf;
+    out_floats[7u * probe_count + item] = s.infinite ? INFINITY : length(s.target - vload3(0, in_floats));
     out_uints[item] = (uint)(s.delta != 0);
 """
 
@@ -49,14 +50,14 @@ EMITTER_DENSITY = """
 
 
 class Samples:
-    """What a light's sampling returned: unit directions (n, 3), radiance (n, 3), densities (n,)."""
+    """What a light's sampling returned: unit directions (n, 3), radiance (n, 3), densities and distances (n,)."""
 
     def __init__(self, probe: Probe, count: int, reference: Array, seed: int) -> None:
         bits = np.random.default_rng(seed).integers(0, 1 << 32, (count, 2), dtype=np.uint32)
-        out, delta = probe(count, floats=np.append(reference, 0.0), uints=bits, out_floats=7, out_uints=1)
+        out, delta = probe(count, floats=np.append(reference, 0.0), uints=bits, out_floats=8, out_uints=1)
         out = out.ravel().astype(np.float64)
         self.w, self.radiance = out[:3 * count].reshape(count, 3), out[3 * count:6 * count].reshape(count, 3)
-        self.pdf, self.delta = out[6 * count:], bool(delta.any())
+        self.pdf, self.distance, self.delta = out[6 * count:7 * count], out[7 * count:], bool(delta.any())
 
 
 def scene_of(light: dict[str, Any] | None, *shapes: dict[str, Any]) -> dict[str, Any]:
@@ -222,6 +223,7 @@ TRIANGLE = {"type": "mesh", "vertices": [[-1.0, -0.4, 0.0], [1.3, -0.6, 0.2], [0
 DISK = {"type": "disk", "position": [0, 0, 0], "normal": [0.2, -0.3, 1], "radius": 1.2}
 ELLIPSE = {"type": "disk", "transform": [{"scale": [1.5, 0.4, 1]}, {"rotate": {"axis": [1, 0, 0], "angle": 20}}]}
 SPHERE = {"type": "sphere", "radius": 1.0}
+ELLIPSOID = {"type": "sphere", "transform": [{"scale": [1.5, 0.4, 0.8]}, {"rotate": {"axis": [1, 2, 0], "angle": 40}}]}
 
 EMITTERS = {
     "triangle, near": (TRIANGLE, (0.1, 0.0, 0.05)),
@@ -236,6 +238,8 @@ EMITTERS = {
     "sphere, far": (SPHERE, (500.0, -700.0, 500.0)),
     "sphere, inside": (SPHERE, (0.3, 0.5, -0.2)),
     "sphere, just inside": (SPHERE, (0.0, -0.594, 0.792)),
+    "ellipsoid, outside": (ELLIPSOID, (1.0, 2.0, -2.0)),
+    "ellipsoid, inside": (ELLIPSOID, (0.3, 0.1, -0.2)),
 }
 
 
@@ -259,14 +263,18 @@ def _densities(device: cl.Device, name: str, reference: Array, w: Array) -> Arra
 def test_emitter_samples_follow_the_density(device: cl.Device, name: str) -> None:
     """χ² of directions from a reference point against the density that a ray which meets the shape is told; the density's integral is 1.
 
-    The density ends at a silhouette, so its integrals over the cells are taken by Monte Carlo, and their variance joins the counts'.
+    An ellipsoid is sampled on its far side too, where rays do not come: those samples are left out. The density ends at a silhouette, so its
+    integrals over the cells are taken by Monte Carlo, and their variance joins the counts'.
     """
     reference = np.array(EMITTERS[name][1], np.float32).astype(np.float64)
     s = _samples(device, name, SAMPLES, reference, seed=6)
     assert np.all(s.pdf > 0.0)
     frame = frame_about(s.w[:1000].mean(axis=0) if "inside" not in name else np.array([0.2, 0.3, 1.0]))
     t_phi = sphere_to_rectangle(s.w @ frame.T)
-    pilot, rest = t_phi[:20_000], t_phi[20_000:]
+    seen = np.ones(SAMPLES, bool)
+    if name.startswith("ellipsoid"):
+        seen = np.abs(_densities(device, name, reference, s.w)[:, 2] - s.distance) < 1e-3
+    pilot, rest = t_phi[:20_000][seen[:20_000]], t_phi[20_000:][seen[20_000:]]
     # The part of the sphere that the shape fills, with a margin: its silhouette lies inside the cells.
     low, high = SPHERE_LOW.copy(), SPHERE_HIGH.copy()
     if t_phi[:, 0].min() > 0.0:
@@ -280,8 +288,8 @@ def test_emitter_samples_follow_the_density(device: cl.Device, name: str) -> Non
     np.add.at(integral, cells.owner, size * density.mean(axis=1))
     np.add.at(variance, cells.owner, np.square(size) * density.var(axis=1, ddof=1) / draws)
     level = sidak(1e-3, 2 * len(EMITTERS))
-    assert z_test(integral.sum() - 1.0, variance.sum() + 1e-5**2) > level
-    n = len(rest)
+    assert z_test(integral.sum() - seen.mean(), variance.sum() + seen.var() / SAMPLES + 1e-5**2) > level
+    n = SAMPLES - 20_000
     z2 = np.square(cells.count(rest) - n * integral) / (n * integral + n * n * variance)
     assert stats.chi2.sf(z2.sum(), len(cells) - 1) > level
 
@@ -294,8 +302,12 @@ def test_emitter_density_is_what_was_sampled(device: cl.Device, name: str) -> No
     density, cosine, distance = _densities(device, name, reference, s.w).T
     met = density > 0.0
     assert met.mean() > 0.998  # a few graze the silhouette
-    # Rounding moves the point by a few 2^-24 of the shapes' size, 1, and 1 / cosine as much along the shape; the density turns with the distance.
-    bound = 64.0 * 2.0**-24 / cosine[met] * (1.0 + 1.0 / distance[met])
+    met &= np.abs(distance - s.distance) < 1e-3 * (1.0 + distance)  # and from an ellipsoid's far side no ray comes
+    assert met.mean() > (0.3 if name.startswith("ellipsoid") else 0.998)
+    # Rounding moves the point by a few 2^-24 of the shapes' size, 1, and 1 / cosine as much along the shape; by that the distance changes, and with
+    # the shape's curvature the cosine.
+    curvature = {"sphere": 1.0, "ellipsoid": 1.5 / 0.4**2}.get(name.partition(",")[0], 0.0)
+    bound = 64.0 * 2.0**-24 / cosine[met] * (1.0 + 1.0 / distance[met] + curvature / cosine[met])
     assert np.mean(np.abs(density[met] / s.pdf[met] - 1.0) < bound) > 0.998
 
 

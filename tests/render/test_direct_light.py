@@ -104,7 +104,7 @@ def test_lights_add_up(device: cl.Device) -> None:
 # Lights that are shapes -----------------------------------------------------------------------------------------------------------------------
 
 def polygon_factor(at: Array, corners: Array) -> Array:
-    """Fraction of the light that leaves the floor at ``at`` (…, 3) and meets a polygon above it (Lambert 1760): corners counter-clockwise from below."""
+    """Fraction of the light that leaves the floor at ``at`` (…, 3) and meets a polygon above it, of corners (n, 3) in order (Lambert 1760)."""
     towards = corners - at[..., None, :]
     towards /= np.linalg.norm(towards, axis=-1, keepdims=True)
     following = np.roll(towards, -1, axis=-2)

@@ -28,9 +28,9 @@ def series(depth: int) -> Array:
 
 
 def furnace(device: cl.Device, room: str, integrator: Json, spp: int = 32, film: Json | None = None) -> Image:
-    return render(device, {"camera": {"position": [0.3, -0.2, 0.4], "look_at": [1, 0.1, 0], "fov": 100}, "film": {"width": 16, "height": 16} | (film or {}),
-                           "sampler": {"type": "independent", "spp": spp}, "integrator": integrator, "geometry": FURNACES[room],
-                           "lights": [{"type": "environment", "radiance": 0}]})
+    camera = {"position": [0.3, -0.2, 0.4], "look_at": [1, 0.1, 0], "fov": 100}
+    return render(device, {"camera": camera, "film": {"width": 16, "height": 16} | (film or {}), "sampler": {"type": "independent", "spp": spp},
+                           "integrator": integrator, "geometry": FURNACES[room], "lights": [{"type": "environment", "radiance": 0}]})
 
 
 each_room = pytest.mark.parametrize("room", FURNACES)
@@ -104,7 +104,8 @@ def white_scene(objects: list[Json], materials: dict[str, Json] = WHITE, spp: in
     apart = [{"type": "sphere", "position": [1e5, 0, 4e3 * i], "material": name} for i, name in enumerate(materials)]
     apart.append({"type": "rectangle", "transform": [{"translate": [1e5, 0, -4e3]}], "material": "lambert"})
     return {"camera": from_above(5.0, 4.0), "film": {"width": 24, "height": 24}, "sampler": {"type": "independent", "spp": spp},
-            "integrator": {"max_depth": depth, "russian_roulette_depth": roulette}, "materials": materials, "geometry": [*objects, *apart], "lights": SKY}
+            "integrator": {"max_depth": depth, "russian_roulette_depth": roulette}, "materials": materials, "geometry": [*objects, *apart],
+            "lights": SKY}
 
 
 @pytest.mark.parametrize("material", WHITE)
@@ -117,10 +118,9 @@ def test_white_things_vanish_together(device: cl.Device) -> None:
     """All of them, reflecting each other: glass in front of a mirror beside metal on a Lambertian floor, behind a pane."""
     objects = [{"type": "sphere", "position": [1.0 * x, 0.2 * x * z, 1.0 * z], "radius": 0.55, "material": list(WHITE)[(3 * x + z) % 4]}
                for x in (-1, 0, 1) for z in (-1, 0, 1)]
-    objects.append({"type": "rectangle", "transform": [{"scale": [3, 3, 1]}, {"rotate": {"axis": [1, 0, 0], "angle": -90}}, {"translate": [0, -1, 0]}],
-                    "material": "lambert"})
-    objects.append({"type": "rectangle", "transform": [{"scale": [1, 3, 1]}, {"rotate": {"axis": [1, 0, 0], "angle": -80}}, {"translate": [0.5, 2, 0]}],
-                    "material": "pane"})
+    flat = [{"rotate": {"axis": [1, 0, 0], "angle": -90}}]
+    objects.append({"type": "rectangle", "material": "lambert", "transform": [{"scale": [3, 3, 1]}, *flat, {"translate": [0, -1, 0]}]})
+    objects.append({"type": "rectangle", "material": "pane", "transform": [{"scale": [1, 3, 1]}, *flat, {"translate": [0.5, 2, 0]}]})
     image = render(device, white_scene(objects, roulette=3))
     assert_mean(image, np.ones(3), roundings=1 << 10)
 

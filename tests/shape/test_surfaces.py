@@ -127,6 +127,32 @@ def test_spheres(device: cl.Device, radius: float, distance: float) -> None:
 
 
 @pytest.mark.parametrize("distance", [0.0, 1.0, 1e3])
+@pytest.mark.parametrize("size", [1e-2, 1.0, 1e3])
+def test_ellipsoids(device: cl.Device, size: float, distance: float) -> None:
+    generator = np.random.default_rng(6)
+    center = unit(generator, 1)[0] * distance
+    steps = [{"scale": [2.0 * size, 0.2 * size, size]}, {"rotate": {"axis": [1, 2, 3], "angle": 70}}, {"translate": list(center)}]
+    probe = Probe(device, {"scene": {"geometry": [{"type": "sphere", "transform": steps}]}}, "shade", BODY)
+    record = probe.buffers.arrays["ellipsoids"][1][0]
+    c, to_world = record["center"].astype(np.float64), record["to_world"].astype(np.float64)
+    away = 10.0 ** generator.uniform(0.01, 2.0, (RAYS, 1))
+    rays = leave(probe, c + (unit(generator, RAYS) * away) @ to_world.T, c + (unit(generator, RAYS) * 0.97 * generator.random((RAYS, 1))) @ to_world.T)
+
+    def height(p: Array) -> tuple[Array, Array]:
+        """Over the image of the unit sphere, to first order, and the normal there."""
+        n = (p - c) @ np.linalg.inv(to_world).T
+        length = np.linalg.norm(n, axis=1)
+        normal = (n / length[:, None]) @ np.linalg.inv(to_world)
+        slope = np.linalg.norm(normal, axis=1)
+        return (length - 1.0) / slope, normal / slope[:, None]
+
+    over, normal = height(rays.p)
+    check(rays, over, height(rays.origin)[0], normal, np.abs(rays.p).max(axis=1) + 2.0 * size)
+    slope = np.sum(rays.w * rays.ng, axis=1)
+    assert np.all(rays.second[slope > 4.0 * EPSILON] == NONE)
+
+
+@pytest.mark.parametrize("distance", [0.0, 1.0, 1e3])
 def test_planes(device: cl.Device, distance: float) -> None:
     generator = np.random.default_rng(2)
     point, normal = unit(generator, 2) * np.array([[distance], [1.0]])
