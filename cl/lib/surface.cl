@@ -12,6 +12,10 @@ typedef struct {
     float3 dpdu;    // not unit; 0 where there is none
     float3 dpdv;
 #endif
+#ifdef VERTEX_NORMALS
+    float3 lift_above;  // from p to the smooth surface that the vertices' normals stand for, where that is on ng's side
+    float3 lift_below;  // or on the other
+#endif
 #ifdef SURFACE_COLOR
     float3 color;   // of the vertices, white where there is none
 #endif
@@ -44,6 +48,10 @@ static inline surface_t surface_new(float3 p, float3 error, float3 normal)
 #ifdef SURFACE_TANGENT
     s.dpdu = (float3)(0.0f);
     s.dpdv = (float3)(0.0f);
+#endif
+#ifdef VERTEX_NORMALS
+    s.lift_above = (float3)(0.0f);
+    s.lift_below = (float3)(0.0f);
 #endif
 #ifdef SURFACE_COLOR
     s.color = (float3)(1.0f);

@@ -4,6 +4,26 @@
 #include "lib/surface.cl"
 #include "scene/tilt.cl"
 
+#ifdef BENT_NORMALS
+// The unit shading normal n turned towards the true one, g, so far that light from `to_viewer` can be mirrored away from the surface: one that
+// cannot would be black where it should shine (Keller et al. 2017, "The Iray Light Transport Simulation and Rendering System", §A.3).
+// g and the viewer are on one side.
+static inline float3 bent_normal(float3 n, float3 g, float3 to_viewer)
+{
+    const float towards = dot(n, to_viewer);
+    if (towards < 1e-3f)
+        n = normalize(n + (1e-3f - towards) * to_viewer);  // faces the viewer, just
+    const float3 mirrored = 2.0f * dot(n, to_viewer) * n - to_viewer;
+    const float height = dot(mirrored, g), lowest = fmin(0.01f, 0.5f * dot(to_viewer, g));
+    if (height >= lowest)
+        return n;
+    const float3 raised = mirrored + n * ((lowest - height) / fmax(dot(n, g), 1e-3f));
+    const float3 along = raised - g * dot(raised, g);
+    const float length2 = dot(along, along);
+    return length2 > 1e-12f ? normalize(to_viewer + lowest * g + along * (sqrt(1.0f - lowest * lowest) * rsqrt(length2))) : g;
+}
+#endif
+
 #ifdef NORMAL_MAP
 // Tangent-space normals, red along dpdu, green along dpdv, blue along the normal (Peercy, Airey & Cabral 1997).
 static inline float3 normal_mapped(const scene_t *scene, uint texture, const surface_t *surface)

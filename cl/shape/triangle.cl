@@ -15,6 +15,19 @@ static inline surface_t triangle_point(float3 v0, float3 v1, float3 v2, float3 b
     return surface_new(p0 + p1 + p2, GAMMA(7) * (fabs(p0) + fabs(p1) + fabs(p2)), normal);
 }
 
+#ifdef VERTEX_NORMALS
+// Adds a vertex's share of the way from the triangle to the surface that is tangent to the vertices' planes: what p lies below the plane through v
+// with normal n, times the vertex's barycentric (Hanika 2021, "Hacking the Shadow Terminator", Ray Tracing Gems II).
+static inline void triangle_lift(float3 v, float3 n, float b, surface_t *s)
+{
+    const float height = dot(s->p - v, n);
+    if (height < 0.0f)
+        s->lift_above -= b * height * n;
+    else
+        s->lift_below -= b * height * n;
+}
+#endif
+
 #ifdef TRIANGLE_CORNERS
 // Adds what the vertices carry: normals, uv and its tangents, colours.
 static inline void triangle_interpolate(const scene_t *scene, uint index, float3 v0, float3 v1, float3 v2, float3 b, surface_t *s)
@@ -27,12 +40,16 @@ static inline void triangle_interpolate(const scene_t *scene, uint index, float3
         return;
     }
 #ifdef VERTEX_NORMALS
-    float3 n = b.x * load3(scene->vertex_normals + 3 * (size_t)corner[0]) + b.y * load3(scene->vertex_normals + 3 * (size_t)corner[1])
-             + b.z * load3(scene->vertex_normals + 3 * (size_t)corner[2]);
-    float length2 = dot(n, n);
+    const float3 n0 = load3(scene->vertex_normals + 3 * (size_t)corner[0]), n1 = load3(scene->vertex_normals + 3 * (size_t)corner[1]);
+    const float3 n2 = load3(scene->vertex_normals + 3 * (size_t)corner[2]);
+    const float3 n = b.x * n0 + b.y * n1 + b.z * n2;
+    const float length2 = dot(n, n);
     if (length2 > 0.0f) {
-        n *= rsqrt(length2);
-        s->ns = dot(n, s->ng) < 0.0f ? -n : n;
+        const float side = dot(n, s->ng) < 0.0f ? -1.0f : 1.0f;
+        s->ns = n * (side * rsqrt(length2));
+        triangle_lift(v0, side * n0, b.x, s);
+        triangle_lift(v1, side * n1, b.y, s);
+        triangle_lift(v2, side * n2, b.z, s);
     }
 #endif
 #ifdef SURFACE_UV

@@ -26,6 +26,9 @@ typedef struct {
     uint sample;
     uint depth;       // scattering events before this one
     sequence_t sampler;
+#ifdef VERTEX_NORMALS
+    bool smooth;      // the point was moved off its triangle: lift_point
+#endif
 } vertex_t;
 
 // Emission met by the path, weighed against light sampling.
@@ -89,6 +92,9 @@ static inline void make_frame(const scene_t *scene, global const object_t *objec
     if (behind && (object->flags & OBJECT_TWO_SIDED)) {
         s->ng = -s->ng;
         s->ns = -s->ns;
+#ifdef VERTEX_NORMALS
+        s->lift_above = s->lift_below;
+#endif
         behind = false;
     }
 #ifdef NORMAL_MAP
@@ -99,9 +105,10 @@ static inline void make_frame(const scene_t *scene, global const object_t *objec
     if (object->bump_map != NO_TEXTURE)
         s->ns = bump_mapped(scene, object->bump_map, object->bump_scale, s);
 #endif
-    // A shading normal that turns away from the viewer has no BSDF value there: the true normal stands in.
-    if ((dot(to_viewer, s->ns) < 0.0f) != behind)
-        s->ns = s->ng;
+#ifdef BENT_NORMALS
+    const float side = behind ? -1.0f : 1.0f;
+    s->ns = side * bent_normal(side * s->ns, side * s->ng, to_viewer);
+#endif
 #ifdef SURFACE_TANGENT
     vertex->frame = frame_along(s->ns, s->dpdu);
 #else
@@ -113,8 +120,35 @@ static inline void make_frame(const scene_t *scene, global const object_t *objec
 // Light may only pass to the side of the true surface that the shading frame says (Veach 1997, §5.3).
 static inline bool sides_agree(const vertex_t *vertex, float3 wi_world, float3 wi)
 {
+#ifdef VERTEX_NORMALS
+    if (vertex->smooth)
+        return wi.z > 0.0f;
+#endif
     return dot(wi_world, vertex->surface.ng) * wi.z > 0.0f;
 }
+
+// Where a ray in direction w begins.
+static inline float3 ray_origin(const vertex_t *vertex, float3 w)
+{
+    const surface_t *s = &vertex->surface;
+#ifdef VERTEX_NORMALS
+    if (vertex->smooth)
+        return offset_origin(s->p, s->error, s->ng, s->ng);
+#endif
+    return offset_origin(s->p, s->error, s->ng, w);
+}
+
+#ifdef VERTEX_NORMALS
+// Moves the point of a surface that scatters on the viewer's side alone to the smooth surface that its triangles stand for, from where
+// those triangles cast no shadows on it; the shading normal then decides what is above.
+static inline void lift_point(global const object_t *object, vertex_t *vertex)
+{
+    surface_t *s = &vertex->surface;
+    vertex->smooth = (object->flags & OBJECT_TWO_SIDED) != 0u && any(s->lift_above != (float3)(0.0f));
+    if (vertex->smooth)
+        s->p += s->lift_above;
+}
+#endif
 
 #ifdef NEXT_EVENT_ESTIMATION
 // Samples a light and stores the shadow ray that connects to it; false where nothing can come of it.
@@ -136,7 +170,7 @@ static inline bool sample_light(const scene_t *scene, const path_t *path, uint s
     float3 contribution = throughput * f * light.radiance * weight;
     if (is_black(contribution))
         return false;
-    float3 origin = offset_origin(vertex->surface.p, vertex->surface.error, vertex->surface.ng, to_light);
+    float3 origin = ray_origin(vertex, to_light);
     path_set_shadow_origin(path, slot, origin);
     path_set_shadow_direction(path, slot, light.infinite ? to_light : light.target - origin);
     path_set_shadow_t_max(path, slot, light.infinite ? INFINITY : SHADOW_END);
@@ -167,7 +201,7 @@ static inline bool sample_bsdf(const scene_t *scene, const path_t *path, uint sl
             return false;
         throughput /= survival;
     }
-    path_set_origin(path, slot, offset_origin(vertex->surface.p, vertex->surface.error, vertex->surface.ng, direction));
+    path_set_origin(path, slot, ray_origin(vertex, direction));
     path_set_direction(path, slot, normalize(direction));
     path_set_throughput(path, slot, throughput);
 #ifdef PATH_BSDF_PDF
@@ -215,6 +249,9 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
         write_first_hit(scene, samples, vertex.sample, throughput.x, &vertex.surface, vertex.surface.ns, BSDF(albedo)(&bsdf), object_index);
     if (vertex.depth >= scene->render->max_depth)
         return;
+#endif
+#ifdef VERTEX_NORMALS
+    lift_point(object, &vertex);
 #endif
     vertex.sampler = sequence_new(scene, path_get_seed(path, slot), path_get_index(path, slot));
 #ifdef NEXT_EVENT_ESTIMATION
