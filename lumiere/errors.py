@@ -21,6 +21,12 @@ class UsageError(LumiereError):
     exit_status = 2
 
 
+class PluginError(LumiereError):
+    """A plug-in that cannot be used."""
+
+    exit_status = 2
+
+
 class DeviceError(LumiereError):
     """No OpenCL device, a failed build, or too little device memory."""
 

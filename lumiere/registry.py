@@ -1,11 +1,19 @@
-"""Registries: a kind is registered by being a module of its package."""
+"""Registries: a kind is registered by being a module of its package, or of a plug-in.
+
+A plug-in is a distribution with an entry point in the group of the package's name (``lumiere.bsdf``, ``lumiere.light``, …) that names a module; a
+``.cl`` file of the kind's name lies beside that module. docs/adding-a-material.md shows one.
+"""
 
 from __future__ import annotations
 
 import difflib
 import importlib
 import pkgutil
+from pathlib import Path
 from typing import Generic, TypeVar
+
+from lumiere.errors import PluginError
+from lumiere.paths import plugin_folders
 
 T = TypeVar("T")
 
@@ -34,6 +42,20 @@ class Registry(Generic[T]):
             package = importlib.import_module(self.package)
             for module in pkgutil.iter_modules(package.__path__):
                 importlib.import_module(f"{self.package}.{module.name}")
+            self._discover_plugins()
+
+    def _discover_plugins(self) -> None:
+        from importlib.metadata import entry_points
+
+        for point in entry_points(group=self.package):
+            try:
+                module = importlib.import_module(point.module)
+            except Exception as problem:
+                reason = " ".join(f"{type(problem).__name__}: {problem}".split())
+                raise PluginError(f"plug-in '{point.name}' ({point.value}): found that it cannot be imported ({reason}), "
+                                  f"expected a module with a {self.noun}; repair or uninstall it") from problem
+            if module.__file__ is not None:
+                plugin_folders.add(Path(module.__file__).resolve().parent)
 
     def kinds(self) -> dict[str, type[T]]:
         """All kinds, by name, in alphabetical order."""

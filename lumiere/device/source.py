@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lumiere.paths import cl_root
+from lumiere.paths import cl_root, source_path
 
 _INCLUDE = re.compile(r'^[ \t]*#include "([^"]+)"[ \t]*$', re.MULTILINE)
 
@@ -32,7 +32,7 @@ def assemble(path: str, prelude: str = "", generated: Mapping[str, str] | None =
         if name in seen:
             return ""
         seen.add(name)
-        text = generated[name] if generated and name in generated else _text(cl_root() / name)
+        text = generated[name] if generated and name in generated else _text(source_path(name))
         return _INCLUDE.sub(lambda match: inline(match.group(1)), text)
 
     return prelude + inline(path)
