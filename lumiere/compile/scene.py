@@ -21,6 +21,7 @@ from lumiere.compile.geometry import Object, ShapeGroup, Vertices, group_shapes
 from lumiere.compile.lights import LightTable, light_table, mean_emission
 from lumiere.compile.materials import NO_TEXTURE, MaterialTable
 from lumiere.compile.mix import Row, rows_of
+from lumiere.compile.recentre import far_center, moved
 from lumiere.compile.textures import TextureTable
 from lumiere.device.source import c_struct
 from lumiere.errors import SceneError
@@ -42,6 +43,8 @@ class SceneBuffers:
     bsdf_parameters: dict[str, dict[str, str]] = field(default_factory=dict)
     dropped: dict[str, int] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
+    center: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    """What is at the device's origin, in the file's coordinates."""
 
     def add(self, name: str, c_type: str, array: np.ndarray) -> None:
         """Adds a buffer; ``c_type`` is ``float``, ``uint`` or a struct's name, then declared by the array's dtype."""
@@ -63,6 +66,11 @@ def compile_scene(scene: Scene, *, wide: bool = True,
                   choose_accelerator: Callable[[str, int, bool, bool], Accelerator] = choose) -> SceneBuffers:
     """Compiles a validated scene, for a device with wide vectors (CPUs) or without. Raises SceneError where a file that it names is not what it should be."""
     objects, lights = lower(scene)
+    # The layer `position` is in the file's coordinates, so with it the scene stays where it is.
+    center = None if "position" in scene.film.aovs else far_center(objects)
+    if center is not None:
+        scene = moved(scene, center)
+        objects, lights = lower(scene)
     textures = TextureTable()
     materials = MaterialTable(textures, scene.integrator.energy_compensation)
     rows = rows_of(objects)
@@ -89,6 +97,8 @@ def compile_scene(scene: Scene, *, wide: bool = True,
     features = _features(scene, objects, rows, groups, vertices, materials, table, camera, emissive=emissive and len(emissions) > 0,
                          uses_uv=uses_uv, tangent=tangent, textured_emission=any(isinstance(o.emission, Texture) for o in objects))
     buffers = SceneBuffers(features, bsdf_parameters={kind: materials.parameters[kind] for kind in sorted(materials.members)})
+    if center is not None:
+        buffers.center = center
     buffers.seconds["accelerator"] = accelerator_seconds
     if features.pixel_list:
         x0, y0, x1, y1 = scene.film.window

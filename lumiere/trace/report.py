@@ -43,12 +43,13 @@ class _Describer:
     def __init__(self, scene: Scene, job: Render) -> None:
         self.arrays = {name: array for name, (_, array) in job.wavefront.buffers.arrays.items()}
         self.render = self.arrays["render"]
+        self.center = job.wavefront.buffers.center
         self.shapes = list(job.wavefront.buffers.features.shapes)
         self.objects = lower(scene)[0]
 
     def vertex(self, number: int, vertex: Vertex, path: Path, modes: dict[str, Path]) -> Iterator[str]:
         """The lines of a vertex."""
-        yield f"vertex {number}: ray from {_vector(vertex.origin)} along {_vector(vertex.direction)}, throughput {_vector(vertex.throughput)}" + (
+        yield f"vertex {number}: ray from {_vector(vertex.origin + self.center)} along {_vector(vertex.direction)}, throughput {_vector(vertex.throughput)}" + (
             f", BSDF pdf {vertex.bsdf_pdf:.6g}" if vertex.bsdf_pdf else "")
         if vertex.primitive is None:
             if vertex.program == "escape":
@@ -78,7 +79,7 @@ class _Describer:
         facing = "" if normal is None else f", n {_vector(normal)} ({'front' if normal @ vertex.direction < 0.0 else 'back'} side)"
         return (f"object {index}{name} ({item.shape.type}), {shape} {within} (primitive {vertex.primitive}), t {vertex.t:.6g}, "
                 f"u {vertex.uv[0]:.6g}, v {vertex.uv[1]:.6g}; material{material} ({item.material.type}), {vertex.program or 'not shaded'}; "
-                f"p {_vector(point)}{facing}")
+                f"p {_vector(point + self.center)}{facing}")
 
     def _point_and_normal(self, shape: str, index: int, vertex: Vertex) -> tuple[np.ndarray, np.ndarray | None]:
         """Of the geometry, in double precision; the normal is None for a shape that is not known here."""

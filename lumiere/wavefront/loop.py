@@ -169,11 +169,18 @@ class Wavefront:
 
         floats, uints = words_per_path(self.buffers.features)
         slots, stride = self.policy.slots, int(self._arguments[2])
-        arrays = (np.zeros((floats, stride), np.float32), np.zeros((uints, stride), np.uint32), np.zeros(2 * slots, np.uint32),
-                  np.zeros((3, self.sample_stride), np.float32))
-        for array, buffer in zip(arrays, (self._arguments[0], self._arguments[1], self._queue_slots, self._samples), strict=True):
+        arrays = (np.zeros((floats, stride), np.float32), np.zeros((uints, stride), np.uint32), np.zeros(2 * slots, np.uint32))
+        for array, buffer in zip(arrays, (self._arguments[0], self._arguments[1], self._queue_slots), strict=True):
             cl.enqueue_copy(self.queue, array, buffer, is_blocking=True)
-        return (*arrays[:2], arrays[2][:slots], arrays[2][slots:], arrays[3][:, 0].astype(np.float64))
+        return (*arrays[:2], arrays[2][:slots], arrays[2][slots:], self.sample_values()[:3, 0].astype(np.float64))
+
+    def sample_values(self) -> np.ndarray:
+        """(channels, samples) float32 of the sample buffer: what the last batch's samples gathered, if it is done."""
+        import pyopencl as cl
+
+        values = np.zeros((self.buffers.features.channel_count(), self.sample_stride), np.float32)
+        cl.enqueue_copy(self.queue, values, self._samples, is_blocking=True)
+        return values
 
     def finish(self) -> None:
         """Waits for the device."""
