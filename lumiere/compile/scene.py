@@ -43,7 +43,7 @@ class SceneBuffers:
     bsdf_parameters: dict[str, dict[str, str]] = field(default_factory=dict)
     dropped: dict[str, int] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
-    center: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    origin: np.ndarray = field(default_factory=lambda: np.zeros(3))
     """What is at the device's origin, in the file's coordinates."""
 
     def add(self, name: str, c_type: str, array: np.ndarray) -> None:
@@ -67,9 +67,9 @@ def compile_scene(scene: Scene, *, wide: bool = True,
     """Compiles a validated scene, for a device with wide vectors (CPUs) or without. Raises SceneError where a file that it names is not what it should be."""
     objects, lights = lower(scene)
     # The layer `position` is in the file's coordinates, so with it the scene stays where it is.
-    center = None if "position" in scene.film.aovs else far_center(objects)
-    if center is not None:
-        scene = moved(scene, center)
+    origin = None if "position" in scene.film.aovs else far_center(objects)
+    if origin is not None:
+        scene = moved(scene, origin)
         objects, lights = lower(scene)
     textures = TextureTable()
     materials = MaterialTable(textures, scene.integrator.energy_compensation)
@@ -97,8 +97,8 @@ def compile_scene(scene: Scene, *, wide: bool = True,
     features = _features(scene, objects, rows, groups, vertices, materials, table, camera, emissive=emissive and len(emissions) > 0,
                          uses_uv=uses_uv, tangent=tangent, textured_emission=any(isinstance(o.emission, Texture) for o in objects))
     buffers = SceneBuffers(features, bsdf_parameters={kind: materials.parameters[kind] for kind in sorted(materials.members)})
-    if center is not None:
-        buffers.center = center
+    if origin is not None:
+        buffers.origin = origin
     buffers.seconds["accelerator"] = accelerator_seconds
     if features.pixel_list:
         x0, y0, x1, y1 = scene.film.window

@@ -43,7 +43,7 @@ class _Describer:
     def __init__(self, scene: Scene, job: Render) -> None:
         self.arrays = {name: array for name, (_, array) in job.wavefront.buffers.arrays.items()}
         self.render = self.arrays["render"]
-        self.center = job.wavefront.buffers.center
+        self.center = job.wavefront.buffers.origin
         self.shapes = list(job.wavefront.buffers.features.shapes)
         self.objects = lower(scene)[0]
 

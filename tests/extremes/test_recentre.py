@@ -12,7 +12,7 @@ from tests.extremes.cases import BASE, placed
 
 def test_what_is_near_stays() -> None:
     assert far_center(lower(load({"scene": BASE}))[0]) is None
-    assert not compile_scene(load({"scene": BASE})).center.any()
+    assert not compile_scene(load({"scene": BASE})).origin.any()
 
 
 def test_what_is_far_is_as_it_was_at_the_origin() -> None:
@@ -32,4 +32,4 @@ def test_what_is_far_is_as_it_was_at_the_origin() -> None:
 
 def test_the_layer_position_keeps_the_files_coordinates() -> None:
     scene = load({"scene": placed(1.0, (1e5, 0.0, 0.0)) | {"film": {"width": 8, "height": 8, "aovs": ["position"]}}})
-    assert not compile_scene(scene).center.any()
+    assert not compile_scene(scene).origin.any()
