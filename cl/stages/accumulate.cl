@@ -31,7 +31,10 @@ kernel WORK_GROUP void accumulate(global const float *samples, uint sample_strid
             uint index = batch->first_sample + i;
             float x = samples[(size_t)channel * sample_stride + sample];
             if (!isfinite(x)) {
-                uint known = atomic_inc(non_finite);
+                bool counted = false;  // a sample counts once, whichever of its channels are not finite
+                for (uint before = 0u; before < channel; ++before)
+                    counted = counted || !isfinite(samples[(size_t)before * sample_stride + sample]);
+                uint known = counted ? NON_FINITE_KEPT : atomic_inc(non_finite);
                 if (known < NON_FINITE_KEPT) {
                     non_finite[1u + 2u * known] = ordinal;
                     non_finite[2u + 2u * known] = index;

@@ -76,7 +76,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _trace_commands(record: dict[str, Any], options: argparse.Namespace) -> list[str]:
     """`lumiere trace-path` for the first samples that were not finite."""
-    given = [f"--{name.replace('_', '-')} {value}" for name in ("width", "height", "max_depth", "seed", "spp", "device")
+    given = [f"--{name.replace('_', '-')} {shlex.quote(str(value))}" for name in ("width", "height", "max_depth", "seed", "spp", "device")
              if (value := getattr(options, name)) is not None]
     return [" ".join(["lumiere trace-path", shlex.quote(options.scene), f"--pixel {at['x']} {at['y']}", f"--sample {at['sample']}", *given])
             for at in record.get("non_finite", {}).get("samples", [])[:SHOWN_SAMPLES]]

@@ -72,7 +72,8 @@ class _Watch:
                 return
             self.slot = int(started[0])
         state = self._state(floats, uints)
-        added = samples - self.radiance
+        with np.errstate(invalid="ignore"):  # of a sample that is not finite
+            added = samples - self.radiance
         self.radiance = samples
         tag = self.queues[tags[self.slot]]
         if stage == "generate" and not self.vertices:

@@ -167,7 +167,7 @@ def coincident(device: Any, effort: float) -> Outcome:
 
 
 def leaks(device: Any, effort: float) -> Outcome:
-    """A closed mesh shot from inside at its vertices and edges: 10⁶ × effort rays, none gets out."""
+    """A closed mesh shot from inside at its vertices and edges, none gets out: 8 · 10⁵ rays, from effort 12 on 10⁷."""
     import trimesh
 
     sphere = trimesh.creation.icosphere(subdivisions=3)
@@ -175,20 +175,20 @@ def leaks(device: Any, effort: float) -> Outcome:
     matrix = np.eye(4)
     matrix[:3, :3] = np.linalg.qr(random.standard_normal((3, 3)))[0]
     vertices = np.asarray(sphere.vertices, dtype=np.float32).astype(np.float64)
-    lit, rays = 0, 0
+    lit, rays, spp = 0, 0, int(512 * max(1.0, effort / 3.0))
     targets = np.concatenate([vertices[::16], 0.5 * (vertices[sphere.edges_unique[::48, 0]] + vertices[sphere.edges_unique[::48, 1]])])
     job = None
     for target in targets[:max(4, int(24 * effort))]:
         eye = 0.3 * random.standard_normal(3).clip(-1, 1)
         scene = load({"scene": {
             "camera": {"position": eye.tolist(), "look_at": target.tolist(), "up": [0.123, 0.456, 0.789], "fov": 1e-4},
-            "film": {"width": 8, "height": 8}, "integrator": {"max_depth": 0}, "sampler": {"spp": 512},
+            "film": {"width": 8, "height": 8}, "integrator": {"max_depth": 0}, "sampler": {"spp": spp},
             "geometry": [{"type": "mesh", "vertices": vertices.tolist(), "faces": sphere.faces.tolist(), "material": {"type": "lambert"}}],
             "lights": [{"type": "environment", "radiance": 1}]}})
         job = Render(scene, device)
         job.run()
         lit += int(np.count_nonzero(job.image({}).pixels))
-        rays += 64 * 512
+        rays += 64 * spp
     return Outcome(lit == 0, f"{lit} values lit in {rays:,} rays")
 
 
