@@ -16,7 +16,13 @@ static inline float dielectric_pdf(const dielectric_t *bsdf, float3 wo, float3 w
 
 static inline bsdf_sample_t dielectric_sample(const dielectric_t *bsdf, float3 wo, float3 u)
 {
-    return interface_sample(bsdf->ior, bsdf->transmittance, wo, u.x);
+    return interface_sample(bsdf->ior, crossing_tint(bsdf->transmittance, bsdf->transmittance_distance), wo, u.x);
+}
+
+// What the body leaves of light that has crossed it.
+static inline float3 dielectric_absorption(const dielectric_t *bsdf, float way)
+{
+    return absorption_tint(bsdf->transmittance, bsdf->transmittance_distance, way);
 }
 
 static inline float3 dielectric_albedo(const dielectric_t *bsdf)

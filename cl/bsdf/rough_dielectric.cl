@@ -9,7 +9,7 @@ static inline rough_interface_t rough_dielectric_interface(const rough_dielectri
     rough_interface_t interface;
     interface.ior = bsdf->ior;
     interface.roughness = bsdf->roughness;
-    interface.transmittance = bsdf->transmittance;
+    interface.transmittance = crossing_tint(bsdf->transmittance, bsdf->transmittance_distance);
     return interface;
 }
 
@@ -29,8 +29,14 @@ static inline bsdf_sample_t rough_dielectric_sample(const rough_dielectric_t *bs
 {
     const rough_interface_t interface = rough_dielectric_interface(bsdf);
     if (rough_interface_is_smooth(&interface))
-        return interface_sample(bsdf->ior, bsdf->transmittance, wo, u.x);
+        return interface_sample(bsdf->ior, interface.transmittance, wo, u.x);
     return rough_interface_sample(&interface, wo, u);
+}
+
+// What the body leaves of light that has crossed it.
+static inline float3 rough_dielectric_absorption(const rough_dielectric_t *bsdf, float way)
+{
+    return absorption_tint(bsdf->transmittance, bsdf->transmittance_distance, way);
 }
 
 static inline float3 rough_dielectric_albedo(const rough_dielectric_t *bsdf)

@@ -12,6 +12,18 @@ static inline float relative_ior(float ior, float3 wo)
     return wo.z > 0.0f ? bounded : 1.0f / bounded;
 }
 
+// The tint at a crossing: none where the light is tinted on its way.
+static inline float3 crossing_tint(float3 transmittance, float transmittance_distance)
+{
+    return transmittance_distance > 0.0f ? (float3)(1.0f) : transmittance;
+}
+
+// What is left of light that has gone so far inside (Beer's law): `transmittance` after `transmittance_distance`.
+static inline float3 absorption_tint(float3 transmittance, float transmittance_distance, float way)
+{
+    return transmittance_distance > 0.0f ? pow(transmittance, (float3)(way / transmittance_distance)) : (float3)(1.0f);
+}
+
 // One of the two lobes, picked with the Fresnel reflectance. Refracted radiance is scaled by 1 / η² (Veach 1997, §5.2).
 static inline bsdf_sample_t interface_sample(float ior, float3 transmittance, float3 wo, float u)
 {

@@ -244,6 +244,10 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
     float3 throughput = path_get_throughput(path, slot);
     BSDF(t) bsdf = BSDF(load)(scene, object->material, &vertex.surface);
     make_frame(scene, object, -ray.d, &vertex);
+#ifdef ABSORPTION
+    if (vertex.wo.z < 0.0f)
+        throughput *= BSDF(absorption)(&bsdf, hit.t);  // the path has come from inside
+#endif
 #ifdef FIRST_HIT_AOVS
     if (vertex.depth == 0u)
         write_first_hit(scene, samples, vertex.sample, throughput.x, &vertex.surface, vertex.surface.ns, BSDF(albedo)(&bsdf), object_index);

@@ -28,6 +28,8 @@ class Dielectric(Material):
                                doc="index of refraction, inside over outside; bounded to 0.001 … 1000")
     roughness: float | Any = number(0.0, low=0.0, high=1.0, textured=True, doc="0 (clear) to 1 (frosted)")
     transmittance: Spectrum | Any = spectrum(1.0, high=1.0, textured=True, doc="tint of the light that passes, at each crossing")
+    transmittance_distance: float | None = number(None, low=0.0, low_open=True, nullable=True, doc="metres inside after which light has the tint "
+                                                  "instead, by Beer's law (default: tinted at each crossing)")
     interior: str | None = string(None, nullable=True, doc="name of the medium inside")
 
     @property
@@ -40,8 +42,15 @@ class Dielectric(Material):
 
     @property
     def device_parameters(self) -> dict[str, str]:  # type: ignore[override]
-        smooth = {"ior": "number", "transmittance": "spectrum"}
+        smooth = {"ior": "number", "transmittance": "spectrum", "transmittance_distance": "number"}
         return smooth if self.purely_specular else smooth | {"roughness": "number"}
+
+    @property
+    def device_features(self) -> tuple[str, ...]:  # type: ignore[override]
+        return () if self.transmittance_distance is None else ("ABSORPTION",)
+
+    def device_values(self) -> dict[str, Any]:
+        return super().device_values() | {"transmittance_distance": self.transmittance_distance or 0.0}
 
     @property
     def compensates(self) -> bool:  # type: ignore[override]
