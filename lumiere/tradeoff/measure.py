@@ -144,31 +144,44 @@ def study(scene: Scene, *, reference: Path | None, budget: float, device: str | 
     wanted = list(settings(scene, float(known.mean.mean())))
     left = runner.budget - runner.elapsed
     room = left - sum(runner.build_seconds for s in wanted if s.builds)
-    spp = _power_of_two_below(0.5 * max(room, 0.3 * left) / (per_picture * max(1, len(wanted))))
-    if all(m.spp != spp for m in result.ladder):
-        result.measurements.append(_measured(own(), spp, *_again(job, scene, spp), result))
-    for setting in wanted:
-        cost = (runner.build_seconds if setting.builds else 1.0) + 1.5 * per_picture * spp
-        if runner.elapsed + cost > runner.budget:
-            result.left_out.append(f"{setting.name}: {cost:.0f} s more would not have fitted in the budget")
-            continue
-        tell(setting.name)
-        try:
-            pictures, seconds, its_job = runner.pictures(scene, setting, spp, FIRST_SEED, SEEDS)
-            if spp >= 4 and runner.elapsed + 2.0 * sum(seconds) / spp < runner.budget:
-                result.measurements.append(_measured(setting, spp // 4, *_again(its_job, setting.change(scene), spp // 4), result))
-            result.measurements.append(_measured(setting, spp, pictures, seconds, result))
-        except LumiereError as error:
-            result.left_out.append(f"{setting.name}: {error}")
+    spp = _power_of_two_below(0.3 * max(room, 0.3 * left) / (1.5 * per_picture * max(1, len(wanted))))
+    for times in (1, 4, 16):
+        for setting in wanted:
+            cost = (runner.build_seconds if setting.builds and times == 1 else 1.5) + 1.5 * per_picture * spp * times
+            if runner.elapsed + cost > runner.budget:
+                if times == 1:
+                    result.left_out.append(f"{setting.name}: {cost:.0f} s more would not have fitted in the budget")
+                continue
+            tell(f"{setting.name}, {spp * times} spp")
+            try:
+                _one(result, runner, job, setting, spp * times)
+            except LumiereError as error:
+                result.left_out.append(f"{setting.name}: {error}")
     _slopes(result)
     result.seconds = runner.elapsed
     return result
 
 
-def _again(job: Render, scene: Scene, spp: int) -> tuple[np.ndarray, list[float]]:
+def _one(result: Study, runner: Runner, own_job: Render, setting: Setting, spp: int) -> None:
+    """Measures a setting, and the scene's own beside it: a machine's speed drifts, and only what was timed side by side is compared."""
+    beside = next((m for m in result.ladder if m.spp == spp), None)
+    if beside is None:
+        beside = _measured(own(), spp, *_again(own_job, spp), result)
+        result.measurements.append(beside)
+    pictures, seconds, job = runner.pictures(result.scene, setting, spp, FIRST_SEED, SEEDS // 2)
+    own_seconds = _again(own_job, spp, SEEDS // 2)[1]
+    more, more_seconds = repeat(job, FIRST_SEED + SEEDS // 2, SEEDS - SEEDS // 2)
+    drift = beside.seconds / float(np.median(own_seconds))
+    seconds = [drift * s for s in (*seconds, *more_seconds)]
+    found = _measured(setting, spp, np.concatenate([pictures, more]), seconds, result)
+    found.seconds_half_width = float(np.hypot(found.seconds_half_width, found.seconds * _median_half_width(own_seconds) / np.median(own_seconds)))
+    result.measurements.append(found)
+
+
+def _again(job: Render, spp: int, count: int = SEEDS) -> tuple[np.ndarray, list[float]]:
     """As ``repeat``, at another spp."""
     job.scene = with_spp(job.scene, spp)
-    return repeat(job, FIRST_SEED, SEEDS)
+    return repeat(job, FIRST_SEED, count)
 
 
 def _power_of_two_below(value: float) -> int:
@@ -179,7 +192,7 @@ def _ladder(result: Study, runner: Runner, job: Render, per_picture: float) -> N
     """The scene's own settings at 4, 16, … spp, as far as their share goes."""
     spent, spp = 0.0, 4
     while spent + per_picture * spp <= LADDER_SHARE * runner.budget:
-        result.measurements.append(_measured(own(), spp, *_again(job, result.scene, spp), result))
+        result.measurements.append(_measured(own(), spp, *_again(job, spp), result))
         spent += per_picture * spp
         spp *= 4
 

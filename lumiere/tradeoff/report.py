@@ -18,7 +18,8 @@ from lumiere.tradeoff.page import page
 COLUMNS = ("setting", "spp", "seconds", "relMSE", "relMSE trimmed", "FLIP", "bias²", "± bias²", "variance", "± variance", "efficiency", "slope")
 
 DEFINITIONS = (
-    f"seconds: median of {SEEDS} renders of independent seeds, without loading and building.",
+    f"seconds: median of {SEEDS} renders of independent seeds, without loading and building. A change is timed beside the scene's own settings, "
+    "and its seconds are given as if the machine had run at the speed at which those were first timed.",
     f"relMSE: mean of (I − R)² / (R² + {FLOOR:g} m²) over values I of the picture and R of the reference, m the reference's mean; mean of the seeds. "
     f"trimmed: without the {100 * TRIMMED:g} % of the pixels that are worst in each picture.",
     "FLIP: mean HDR-ꟻLIP of the first seed (Andersson et al. 2021).",
