@@ -74,6 +74,7 @@ def scenes(folder: Path) -> Iterator[dict[str, Any]]:
         "colored": {"type": "lambert", "albedo": {"texture": "colors"}}}
     balls = [{"type": "sphere", "position": [i, 0, 0], "radius": 0.3, "material": name} for i, name in enumerate(materials)]
     shapes = [{"type": "plane", "position": [0, -1, 0], "normal": [0, 1, 0]},
+              {"type": "sphere", "transform": [{"scale": [1, 2, 3]}], "material": "textured"},
               {"type": "disk", "position": [0, 2, 0], "normal": [0, -1, 0], "radius": 1, "emission": 3},
               {"type": "rectangle", "emission": 2}, {"type": "box", "material": "textured"},
               {"type": "mesh", "file": str(colored), "material": "colored"},
