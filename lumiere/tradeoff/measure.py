@@ -102,16 +102,23 @@ class Runner:
         return time.perf_counter() - self.begin
 
     def pictures(self, scene: Scene, setting: Setting, spp: int, first_seed: int, count: int) -> tuple[np.ndarray, list[float], Render]:
-        """(count, h, w, 3) of independent seeds, the seconds of each, and the render. What a first launch costs is not in them."""
+        """(count, h, w, 3) of independent seeds, the seconds of each, and the render."""
+        job = self.job(scene, setting, spp)
+        return (*repeat(job, first_seed, count), job)
+
+    def job(self, scene: Scene, setting: Setting, spp: int) -> Render:
+        """A render that has launched each kernel once: what a first launch costs is no part of a measurement."""
         begin = time.perf_counter()
-        # Built for many samples, so that batches are as large at every spp.
-        job = Render(with_spp(setting.change(scene), max(spp, LARGEST_SPP)), self.device, overrides=setting.overrides)
+        # Built for many samples, so that batches are as large at every spp; but strata are laid out for the samples that there are.
+        changed = setting.change(scene)
+        built_for = spp if changed.sampler.type == "stratified" else max(spp, LARGEST_SPP)
+        job = Render(with_spp(changed, built_for), self.device, overrides=setting.overrides)
         job.wavefront.render(Batch(0, 1, 1, 0))
         job.wavefront.finish()
         job.scene = with_spp(job.scene, spp)
         if setting.builds:
             self.build_seconds = 0.5 * (self.build_seconds + time.perf_counter() - begin)
-        return (*repeat(job, first_seed, count), job)
+        return job
 
 
 def repeat(job: Render, first_seed: int, count: int) -> tuple[np.ndarray, list[float]]:
@@ -144,10 +151,10 @@ def study(scene: Scene, *, reference: Path | None, budget: float, device: str | 
     wanted = list(settings(scene, float(known.mean.mean())))
     left = runner.budget - runner.elapsed
     room = left - sum(runner.build_seconds for s in wanted if s.builds)
-    spp = _power_of_two_below(0.3 * max(room, 0.3 * left) / (1.5 * per_picture * max(1, len(wanted))))
+    spp = _power_of_two_below(0.3 * max(room, 0.3 * left) / (2.2 * per_picture * max(1, len(wanted))))
     for times in (1, 4, 16):
         for setting in wanted:
-            cost = (runner.build_seconds if setting.builds and times == 1 else 1.5) + 1.5 * per_picture * spp * times
+            cost = (runner.build_seconds if setting.builds and times == 1 else 1.5) + 2.2 * per_picture * spp * times
             if runner.elapsed + cost > runner.budget:
                 if times == 1:
                     result.left_out.append(f"{setting.name}: {cost:.0f} s more would not have fitted in the budget")
@@ -168,20 +175,20 @@ def _one(result: Study, runner: Runner, own_job: Render, setting: Setting, spp: 
     if beside is None:
         beside = _measured(own(), spp, *_again(own_job, spp), result)
         result.measurements.append(beside)
-    pictures, seconds, job = runner.pictures(result.scene, setting, spp, FIRST_SEED, SEEDS // 2)
-    own_seconds = _again(own_job, spp, SEEDS // 2)[1]
-    more, more_seconds = repeat(job, FIRST_SEED + SEEDS // 2, SEEDS - SEEDS // 2)
-    drift = beside.seconds / float(np.median(own_seconds))
-    seconds = [drift * s for s in (*seconds, *more_seconds)]
-    found = _measured(setting, spp, np.concatenate([pictures, more]), seconds, result)
-    found.seconds_half_width = float(np.hypot(found.seconds_half_width, found.seconds * _median_half_width(own_seconds) / np.median(own_seconds)))
-    result.measurements.append(found)
+    job = runner.job(result.scene, setting, spp)
+    own_job.scene = with_spp(own_job.scene, spp)
+    pictures, ratios = [], []
+    for seed in range(FIRST_SEED, FIRST_SEED + SEEDS):
+        picture, seconds = repeat(job, seed, 1)
+        pictures.append(picture)
+        ratios.append(seconds[0] / repeat(own_job, seed, 1)[1][0])
+    result.measurements.append(_measured(setting, spp, np.concatenate(pictures), [beside.seconds * ratio for ratio in ratios], result))
 
 
-def _again(job: Render, spp: int, count: int = SEEDS) -> tuple[np.ndarray, list[float]]:
+def _again(job: Render, spp: int) -> tuple[np.ndarray, list[float]]:
     """As ``repeat``, at another spp."""
     job.scene = with_spp(job.scene, spp)
-    return repeat(job, FIRST_SEED, count)
+    return repeat(job, FIRST_SEED, SEEDS)
 
 
 def _power_of_two_below(value: float) -> int:
