@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 REACH = 2
 """Neighbours at most so many pixels away, each way, tell a pixel's variance."""
 
-LEAST_SHARE = 0.125
-"""Every round adds at least this part of the samples taken so far: rounds cost time as well."""
+LEAST_SHARE, MOST_SHARE = 0.125, 0.25
+"""Every round adds at least and at most these parts of the samples taken so far: rounds cost time, and one that doubled all would choose nothing."""
 
 
 def render_adaptive(job: Render, target: float, max_spp: int, keep_on: Callable[[int], bool]) -> Outcome:
@@ -103,7 +103,7 @@ def _next(job: Render, error: Error, target: float, max_spp: int) -> np.ndarray:
     cost = np.cumsum(np.minimum(counts[order], max_spp - counts[order]))
     enough = np.searchsorted(gain, error.bound**2 - 0.95 * target**2) + 1
     round_size = np.searchsorted(cost, LEAST_SHARE * counts.sum()) + 1
-    most = np.searchsorted(cost, counts.sum()) + 1
+    most = np.searchsorted(cost, MOST_SHARE * counts.sum()) + 1
     return np.sort(order[:max(min(enough, most), round_size)])
 
 
