@@ -8,7 +8,7 @@
 #include "lib/samples.cl"
 #include "lib/shapes.cl"
 
-kernel WORK_GROUP TRACES void connect(STAGE_PARAMETERS)
+kernel WORK_GROUP UNVECTORIZED void connect(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
     uint slot = queue_take_connect(&queues);

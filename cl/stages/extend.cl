@@ -10,7 +10,7 @@
 #include "lib/sampler.cl"
 #include "lib/shapes.cl"
 
-kernel WORK_GROUP TRACES void extend(STAGE_PARAMETERS)
+kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
 #ifdef QUEUES_COMPACTED

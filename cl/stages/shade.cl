@@ -265,7 +265,7 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
     path_set_depth(path, slot, vertex.depth + 1u);
 }
 
-kernel WORK_GROUP void shade(STAGE_PARAMETERS)
+kernel WORK_GROUP UNVECTORIZED void shade(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
     if (queue_is_over(&queues, QUEUE_SHADE))

@@ -62,8 +62,9 @@ def _defines(features: Features, policy: Policy) -> str:
         "OBJECT_VISIBLE_TO_SHADOW": f"{VISIBLE_TO_SHADOW}u",
         # One base a queue, then (compacted) two bytes a work-item; the census of dense queues needs three words.
         "SCRATCH_WISHES": f"{-(-len(queues) // 2) * 2}u", "SCRATCH_SIZE": f"{-(-len(queues) // 2) * 2 + policy.work_group // 2}u",
-        # Intel's runtime for CPUs would vectorise across rays, which the traversal's own vectors forbid: 7 to 11 times slower.
-        "TRACES": "" if policy.compacted else "__attribute__((vec_type_hint(float8)))",
+        # Intel's runtime for CPUs would vectorise across work-items: traversal, which has vectors of its own, is 7 to 11 times slower then, and
+        # large BSDFs overwrite each other's results (runtime 2026.22.10; docs/devices.md).
+        "UNVECTORIZED": "" if policy.compacted else "__attribute__((vec_type_hint(float8)))",
         "WORK_GROUP_SIZE": f"{policy.work_group}u", "WORK_GROUP": f"__attribute__((reqd_work_group_size({policy.work_group}, 1, 1)))",
     }
     lines = [f"#define {name}" for name, present in flags.items() if present]

@@ -24,7 +24,7 @@ LOADS
     return bsdf;
 }
 
-kernel void evaluate(global const float *parameters, uint records, global const float *wo, global const float *wi, global float *out)
+kernel UNVECTORIZED void evaluate(global const float *parameters, uint records, global const float *wo, global const float *wi, global float *out)
 {
     const uint i = get_global_id(0);
     const NAME_t bsdf = load_parameters(parameters, records, i);
@@ -33,7 +33,7 @@ kernel void evaluate(global const float *parameters, uint records, global const 
     vstore4((float4)(f, NAME_pdf(&bsdf, o, w)), i, out);
 }
 
-kernel void sample(global const float *parameters, uint records, global const float *wo, global const float *u, global float *out)
+kernel UNVECTORIZED void sample(global const float *parameters, uint records, global const float *wo, global const float *u, global float *out)
 {
     const uint i = get_global_id(0);
     const NAME_t bsdf = load_parameters(parameters, records, i);
@@ -43,7 +43,7 @@ kernel void sample(global const float *parameters, uint records, global const fl
     vstore3((float3)(s.pdf, s.eta, (float)s.specular), 3u * i + 2u, out);
 }
 
-kernel void albedo(global const float *parameters, uint records, global float *out)
+kernel UNVECTORIZED void albedo(global const float *parameters, uint records, global float *out)
 {
     const uint i = get_global_id(0);
     const NAME_t bsdf = load_parameters(parameters, records, i);
@@ -80,6 +80,7 @@ class Bsdf:
             loads += f"    bsdf.{name} = {value};\n"
             offset += 3 if sort == "spectrum" else 1
         struct = "".join(f"#define {name}\n" for name in features) + f"typedef struct {{\n{members}}} {kind}_t;\n"
+        struct += "#define UNVECTORIZED __attribute__((vec_type_hint(float8)))\n"  # as the stages have it on CPUs (lumiere/wavefront/source.py)
         text = assemble(f"bsdf/{kind}.cl", struct) + KERNELS.replace("LOADS\n", loads).replace("NAME", kind)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", cl.CompilerWarning)
