@@ -64,7 +64,9 @@ class SceneBuffers:
 
 def compile_scene(scene: Scene, *, wide: bool = True,
                   choose_accelerator: Callable[[str, int, bool, bool], Accelerator] = choose) -> SceneBuffers:
-    """Compiles a validated scene, for a device with wide vectors (CPUs) or without. Raises SceneError where a file that it names is not what it should be."""
+    """Compiles a validated scene, for a device with wide vectors (CPUs) or without. Raises SceneError where a file that it names is not what it
+    should be.
+    """
     objects, lights = lower(scene)
     # The layer `position` is in the file's coordinates, so with it the scene stays where it is.
     origin = None if "position" in scene.film.aovs else far_center(objects)
