@@ -51,7 +51,8 @@ def test_the_pages_material_renders(plugin: Path) -> None:
 def test_the_pages_material_passes_the_registrys_tests(plugin: Path) -> None:
     done = run(plugin, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/bsdf", "-k", "minnaert and (density or energy or reciprocity or extremes)")
     assert done.returncode == 0, done.stdout
-    assert re.search(r"\b2\d passed|\b3\d passed", done.stdout), done.stdout
+    passed = re.search(r"\b(\d+) passed", done.stdout)
+    assert passed is not None and int(passed[1]) >= 20, done.stdout  # on each device
 
 
 def test_a_broken_plugin_is_one_line(plugin: Path) -> None:
