@@ -12,7 +12,7 @@ from tests.render.scenes import Json, assert_exact, assert_mean, from_above, ren
 Array = np.ndarray
 
 ALBEDO = np.array([0.9, 0.5, 0.1])
-EMISSION = np.array([0.5, 1.0, 2.0])
+EMISSION = np.array([0.3, 1.1, 1.7])
 WALL = {"material": {"type": "lambert", "albedo": list(ALBEDO)}, "emission": list(EMISSION), "emission_sides": "both"}
 FAR = [{"translate": [0, 0, 1e4]}]
 FURNACES = {
@@ -39,6 +39,13 @@ each_room = pytest.mark.parametrize("room", FURNACES)
 @each_room
 def test_depth_0_is_what_is_seen_directly(device: cl.Device, room: str) -> None:
     assert_exact(furnace(device, room, {"max_depth": 0}).pixels, EMISSION)
+
+
+def test_many_samples_add_up(device: cl.Device) -> None:
+    """Sixteen thousand equal samples: a plain sum in float32 would be off in the fifth digit."""
+    image = furnace(device, "box", {"max_depth": 0}, spp=1 << 14, film={"width": 4, "height": 4})
+    assert_exact(image.pixels, EMISSION, roundings=2)
+    assert np.all(image.variance <= (1e-6 * EMISSION) ** 2)
 
 
 @each_room
@@ -143,6 +150,13 @@ def test_mirrors_and_metals_reflect_by_their_colour(device: cl.Device) -> None:
     left = np.zeros((24, 24), bool)
     left[:, :11] = True
     assert_mean(image, reflected + (1.0 - reflected) * np.array([0.8, 0.5, 0.2]), where=left)
+
+
+@pytest.mark.parametrize(("angle", "expected"), [(-90, 0.04 + 0.96 / 1.5**2), (90, 0.04 + 0.96 * 1.5**2)], ids=["into glass", "out of glass"])
+def test_radiance_is_scaled_where_it_crosses_an_interface(device: cl.Device, angle: float, expected: float) -> None:
+    """One surface of glass between the viewer and a sky in the glass, or the other way round: L / n² is what is kept (Veach 1997, §5.2)."""
+    surface = {"type": "rectangle", "material": "glass", "transform": [{"scale": [3, 3, 1]}, {"rotate": {"axis": [1, 0, 0], "angle": angle}}]}
+    assert_mean(render(device, white_scene([surface], roulette=1)), np.full(3, expected))
 
 
 # Ambient occlusion ---------------------------------------------------------------------------------------------------------------------------

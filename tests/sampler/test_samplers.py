@@ -157,6 +157,18 @@ def test_stratified_fills_every_stratum(device: cl.Device, spp: int) -> None:
     assert spp < 7 or len(set(orders)) == len(orders)
 
 
+def test_stratified_jitters_each_stratum_by_itself(device: cl.Device) -> None:
+    """Where in their strata a pixel's samples lie: their mean varies over pixels as that of independent numbers, 1 / 12 n."""
+    pixels, count = 1024, 64
+    index, pixel = np.tile(np.arange(count), pixels), np.repeat(np.arange(pixels), count)
+    for dimension in DIMENSIONS:
+        u = numbers(device, "stratified", pixel, pixel // 7, index, dimension).reshape(pixels, count, 3)
+        places = (u * (64.0, 8.0, 8.0)) % 1.0
+        spread = 12.0 * count * np.square(places.mean(axis=1) - 0.5).sum(axis=0)
+        level = sidak(1e-3, 3 * len(DIMENSIONS))
+        assert np.all(spread < stats.chi2.isf(level / 2.0, pixels)) and np.all(spread > stats.chi2.ppf(level / 2.0, pixels))
+
+
 PERMUTE = """
     uint first = 3u * item;
     out_uints[item] = permute(in_uints[first], in_uints[first + 1u], in_uints[first + 2u]);

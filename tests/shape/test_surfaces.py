@@ -232,3 +232,22 @@ def test_triangles(device: cl.Device, size: float, distance: float) -> None:
     v0, n = plane(rays.second[met])
     t = np.sum((v0 - rays.origin[met]) * n, axis=1) / np.sum(rays.w[met] * n, axis=1)
     assert np.all(t > 0.0)
+
+
+@pytest.mark.parametrize("shape", [{"type": "sphere", "radius": 0.8}, {"type": "plane", "normal": [0.3, 1, -0.2]}, {"type": "disk", "normal": [0.3, 1, -0.2]}],
+                         ids=lambda shape: shape["type"])
+def test_origin_on_the_surface_is_not_met(device: cl.Device, shape: dict[str, object]) -> None:
+    """A ray that starts at the point itself, not moved off by its error, does not meet what it leaves either: tests know their own rounding.
+
+    So it is about the origin, where a point is known as well as its place on the shape.
+    """
+    generator = np.random.default_rng(7)
+    probe = Probe(device, {"scene": {"geometry": [shape]}}, "shade", BODY.replace("offset_origin(surface.p, surface.error, surface.ng, w)", "surface.p"))
+    targets = 0.6 * unit(generator, RAYS)
+    if shape["type"] != "sphere":
+        n = np.array([0.3, 1.0, -0.2]) / np.linalg.norm([0.3, 1.0, -0.2])
+        targets -= np.outer(targets @ n, n)
+    rays = leave(probe, targets + 5.0 * unit(generator, RAYS), targets)
+    slope = np.sum(rays.w * rays.ng, axis=1)
+    outwards = slope > 4.0 * EPSILON if shape["type"] == "sphere" else np.abs(slope) > 4.0 * EPSILON
+    assert np.all(rays.second[outwards] == NONE)
