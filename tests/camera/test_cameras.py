@@ -8,9 +8,11 @@ import numpy as np
 import pyopencl as cl
 import pytest
 
+from lumiere.compile.scene import compile_scene
+from lumiere.scene.load import load
 from lumiere.wavefront.batch import Batch, pixel_order
 from tests.render.probe import Probe
-from tests.render.scenes import POINT_FILTER, Json, render
+from tests.render.scenes import POINT_FILTER, Json
 from tests.statistics import chi_square
 
 Array = np.ndarray
@@ -191,12 +193,19 @@ def test_samples_cover_the_pixel(device: cl.Device) -> None:
     assert chi_square(counts, np.full(64, counts.sum() / 64)) > 1e-4
 
 
-def test_missing_camera_frames_everything(device: cl.Device) -> None:
-    """Where the file has no camera, all that is bounded is in the picture, and fills it."""
-    scene = {"film": {"width": 33, "height": 21, "aovs": ["object_id"]}, "sampler": {"spp": 4}, "integrator": {"max_depth": 1},
-             "geometry": [{"type": "sphere", "position": [40, -7, 3], "radius": 5}, {"type": "box", "min": [20, -5, -3], "max": [22, 9, 2]}]}
-    ids = render(device, scene).aovs["object_id"]
-    assert {0, 1} <= set(np.unique(ids))
-    assert np.all(np.concatenate([ids[0], ids[-1], ids[:, 0], ids[:, -1]]) == -1)
-    rows, columns = np.nonzero(ids >= 0)
-    assert np.ptp(rows) > 8 and np.ptp(columns) > 8
+def test_missing_camera_frames_everything() -> None:
+    """Where the file has no camera, a pinhole sees all that is bounded, and no more than its surrounding sphere."""
+    low, high = np.array([20.0, -12.0, -3.0]), np.array([45.0, 9.0, 8.0])
+    for width, height in ((33, 21), (21, 33), (16, 16)):
+        buffers = compile_scene(load({"scene": {"film": {"width": width, "height": height}, "geometry": [
+            {"type": "sphere", "position": [40, -7, 3], "radius": 5}, {"type": "box", "min": [20, -5, -3], "max": [22, 9, 2]}, {"type": "plane"}]}}))
+        assert buffers.features.camera == "perspective"
+        record = buffers.arrays["camera"][1][0]
+        matrix, half = record["to_world"].reshape(3, 4).astype(np.float64), record["half_extent"].astype(np.float64)
+        corners = np.stack(np.meshgrid(*zip(low, high, strict=True)), -1).reshape(-1, 3) - buffers.origin
+        local = (corners - matrix[:, 3]) @ matrix[:, :3]
+        assert np.all(local[:, 2] < 0.0)
+        at = local[:, :2] / -local[:, 2:] / half
+        assert np.abs(at).max() <= 1.0
+        # The sphere around the box touches the picture's shorter sides.
+        assert np.abs(at[:, np.argmin(half)]).max() > 0.5

@@ -14,12 +14,10 @@ Array = np.ndarray
 ALBEDO = np.array([0.9, 0.5, 0.1])
 EMISSION = np.array([0.3, 1.1, 1.7])
 WALL = {"material": {"type": "lambert", "albedo": list(ALBEDO)}, "emission": list(EMISSION), "emission_sides": "both"}
-FAR = [{"translate": [0, 0, 1e4]}]
-FURNACES = {
-    "box": [{"type": "box"} | WALL, {"type": "sphere", "transform": FAR}],
-    "sphere": [{"type": "sphere", "radius": 1.3} | WALL, {"type": "box", "transform": FAR}],
-}
-"""Closed rooms whose walls emit and reflect the same everywhere. Far outside is what makes their features the same."""
+OUTSIDE = [{"type": shape, "transform": [{"translate": [0, -1e4, 0]}]} for shape in ("box", "sphere", "disk", "plane")]
+FURNACES = {"box": [{"type": "box"} | WALL, *OUTSIDE], "sphere": [{"type": "sphere", "radius": 1.3} | WALL, *OUTSIDE]}
+"""Closed rooms whose walls emit and reflect the same everywhere. What is far outside gives them the features of each other's and of the scenes in
+test_direct_light.py, and so their programs."""
 
 
 def series(depth: int) -> Array:
@@ -28,8 +26,7 @@ def series(depth: int) -> Array:
 
 
 def furnace(device: cl.Device, room: str, integrator: Json, spp: int = 32, film: Json | None = None) -> Image:
-    camera = {"position": [0.3, -0.2, 0.4], "look_at": [1, 0.1, 0], "fov": 100}
-    return render(device, {"camera": camera, "film": {"width": 16, "height": 16} | (film or {}), "sampler": {"type": "independent", "spp": spp},
+    return render(device, {"camera": from_above(0.3, 1.7), "film": {"width": 16, "height": 16} | (film or {}), "sampler": {"type": "independent", "spp": spp},
                            "integrator": integrator, "geometry": FURNACES[room], "lights": [{"type": "environment", "radiance": 0}]})
 
 
