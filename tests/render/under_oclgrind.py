@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -26,7 +25,6 @@ def _fill_by_copy(queue: Any, buffer: Any, pattern: Any, offset: int, size: int)
 
 
 def main(folder: Path, queues: str, *options: str) -> None:
-    os.cpu_count = lambda: 1  # Oclgrind's compiler is not safe in several threads
     cl.enqueue_fill_buffer = _fill_by_copy
     lumiere.rendering.policy_for = lambda *arguments: replace(policy_for(*arguments), compacted=queues == "compacted", slots=64, work_group=32)
     texels = np.random.default_rng(1).random((2, 4, 3))
