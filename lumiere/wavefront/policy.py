@@ -9,7 +9,7 @@ from typing import Any
 @dataclass(frozen=True)
 class Policy:
     """``compacted``: queues are lists of slots (GPUs), else tags on all slots (CPUs). ``slots``: paths in flight; ``batch``: samples in one batch;
-    ``rounds``: rounds of stages queued between two looks at the counters; ``groups_leave``: work-groups beyond a queue's end return at once."""
+    ``rounds``: rounds of stages queued between two looks at the counters, even; ``groups_leave``: work-groups beyond a queue's end return at once."""
 
     compacted: bool
     work_group: int
