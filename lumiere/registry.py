@@ -19,7 +19,8 @@ T = TypeVar("T")
 
 
 class Registry(Generic[T]):
-    """Kinds by their ``type`` name, filled by importing every module of ``package`` at the first look-up."""
+    """Kinds by their ``type`` name. One that has a module of its name in ``package`` costs the import of that module alone; any other name has
+    every module and every plug-in imported."""
 
     def __init__(self, package: str, noun: str) -> None:
         self.package = package
@@ -64,7 +65,12 @@ class Registry(Generic[T]):
 
     def get(self, name: str) -> type[T] | None:
         """The kind called ``name``, or None."""
-        self._discover()
+        if name not in self._kinds and not self._discovered:
+            package = importlib.import_module(self.package)
+            if name in (module.name for module in pkgutil.iter_modules(package.__path__)):
+                importlib.import_module(f"{self.package}.{name}")
+        if name not in self._kinds:
+            self._discover()
         return self._kinds.get(name)
 
 

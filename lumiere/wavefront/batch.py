@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -55,6 +56,7 @@ def passes(first_sample: int, samples_a_pixel: int, pixels: int, capacity: int) 
             yield Batch(first, min(capacity, pixels - first), 1, first_sample + sample)
 
 
+@lru_cache(maxsize=1)
 def pixel_order(width: int, height: int) -> np.ndarray:
     """(width · height,) index y · width + x of the pixel with each number: tiles of 8 × 8, row after row (``film_sample`` in cl/lib/sampler.cl)."""
     y, x = np.divmod(np.arange(width * height), width)
@@ -63,4 +65,5 @@ def pixel_order(width: int, height: int) -> np.ndarray:
     number = (y // 8) * 8 * width + (x // 8) * 8 * band_height + (y % 8) * tile_width + x % 8
     order = np.zeros(width * height, dtype=np.int64)
     order[number] = np.arange(width * height)
+    order.flags.writeable = False  # shared with every caller
     return order

@@ -193,10 +193,12 @@ class Wavefront:
         channels = self.buffers.features.channel_count()
         raw = np.zeros(self.film_arrays * self.film_stride, dtype=np.float32)
         cl.enqueue_copy(self.queue, raw, self._film, is_blocking=True)
-        rows = raw.reshape(self.film_arrays, self.film_stride)[:, :self.pixels].astype(np.float64)
-        sums = rows[0:2 * channels:2] - rows[1:2 * channels:2]  # a compensated sum less what it still owes
+        rows, order = raw.reshape(self.film_arrays, self.film_stride)[:, :self.pixels], pixel_order(width, height)
         out = np.zeros((channels + 3, self.pixels))
-        out[:, pixel_order(width, height)] = np.concatenate([sums, rows[2 * channels:]])
+        for channel in range(channels):  # a compensated sum less what it still owes
+            out[channel, order] = np.subtract(rows[2 * channel], rows[2 * channel + 1], dtype=np.float64)
+        for channel in range(channels, channels + 3):
+            out[channel, order] = rows[channels + channel]
         return out.reshape(channels + 3, height, width)
 
     def non_finite(self, width: int, height: int) -> tuple[int, list[dict[str, int]]]:
