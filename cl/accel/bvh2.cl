@@ -39,7 +39,7 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
         uint first = current & 0x0fffffffu, count = (current >> 28 & 7u) + 1u;
         for (uint index = first; index < first + count; index++) {
             hit_t candidate;
-            if (SHAPE_FUNCTION(intersect)(scene, index, ray, &prepared, hit->t, &candidate) && SHAPE_ACCEPTS(index)) {
+            if (SHAPE_FUNCTION(intersect)(scene, index, ray, &prepared, hit->t, &candidate) && SHAPE_ACCEPTS(index, hit->t)) {
                 *hit = candidate;
                 hit->primitive = index + SHAPE_FIRST;
                 found = true;

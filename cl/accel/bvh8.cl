@@ -48,7 +48,7 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
                 } else if (!(candidate.t < hit->t)) {
                     continue;
                 }
-                if (!SHAPE_ACCEPTS(index))
+                if (!SHAPE_ACCEPTS(index, hit->t))
                     continue;
                 *hit = candidate;
                 hit->primitive = index + SHAPE_FIRST;

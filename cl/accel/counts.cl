@@ -4,19 +4,36 @@
 #include "lib/hash.cl"
 #include "lib/opacity.cl"
 
-static inline bool SHAPE_FUNCTION(counts)(const scene_t *scene, uint index, const ray_t *ray, const hit_t *candidate)
+#ifdef OPACITY
+// One random number a ray, primitive and meeting, so that the order in which primitives are met does not matter.
+static inline bool SHAPE_FUNCTION(stops)(const scene_t *scene, uint index, const ray_t *ray, const hit_t *candidate, uint meeting)
 {
     uint primitive = index + SHAPE_FIRST;
-    global const object_t *object = scene->objects + scene->primitive_objects[primitive];
+    surface_t surface = SHAPE_FUNCTION(surface)(scene, index, ray, candidate);
+    float u = unit_float(hash_combine(scene->ray_seed + meeting, primitive));
+    return u < object_opacity(scene, scene->objects + scene->primitive_objects[primitive], &surface);
+}
+#endif
+
+// May move `candidate` to where the ray, let through, meets the primitive again before t_max.
+static inline bool SHAPE_FUNCTION(counts)(const scene_t *scene, uint index, const ray_t *ray, const SHAPE_FUNCTION(ray_t) *prepared, float t_max,
+                                          hit_t *candidate)
+{
+    global const object_t *object = scene->objects + scene->primitive_objects[index + SHAPE_FIRST];
 #ifdef VISIBILITY
     if ((object->flags & scene->ray_mask) != scene->ray_mask)
         return false;
 #endif
 #ifdef OPACITY
     if (object->flags & OBJECT_TRANSLUCENT) {
-        // One random number a ray and primitive, so that the order in which primitives are met does not matter.
-        surface_t surface = SHAPE_FUNCTION(surface)(scene, index, ray, candidate);
-        return unit_float(hash_combine(scene->ray_seed, primitive)) < object_opacity(scene, object, &surface);
+        if (SHAPE_FUNCTION(stops)(scene, index, ray, candidate, 0u))
+            return true;
+#if SHAPE_FUNCTION(meets_twice)
+        return SHAPE_FUNCTION(intersect_again)(scene, index, ray, prepared, t_max, candidate)
+            && SHAPE_FUNCTION(stops)(scene, index, ray, candidate, 1u);
+#else
+        return false;
+#endif
     }
 #endif
     return true;

@@ -12,7 +12,7 @@
 #define SHAPE_FUNCTION(suffix) SHAPE_JOIN(SHAPE, _##suffix)
 
 #if defined(VISIBILITY) || defined(OPACITY)
-#define SHAPE_ACCEPTS(index) SHAPE_FUNCTION(counts)(scene, index, ray, &candidate)
+#define SHAPE_ACCEPTS(index, t_max) SHAPE_FUNCTION(counts)(scene, index, ray, &prepared, t_max, &candidate)
 #else
-#define SHAPE_ACCEPTS(index) true
+#define SHAPE_ACCEPTS(index, t_max) true
 #endif

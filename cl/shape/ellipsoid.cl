@@ -2,6 +2,7 @@
 
 #include "lib/math.cl"
 #include "lib/ray.cl"
+#include "lib/roots.cl"
 #include "lib/surface.cl"
 
 typedef struct {
@@ -14,8 +15,8 @@ static inline ellipsoid_ray_t ellipsoid_prepare(const ray_t *ray)
     return prepared;
 }
 
-// As sphere_intersect, in the space where it is the unit sphere; the map there adds its rounding to that of c.
-static inline bool ellipsoid_intersect(const scene_t *scene, uint index, const ray_t *ray, const ellipsoid_ray_t *prepared, float t_max, hit_t *hit)
+// As sphere_roots, in the space where it is the unit sphere; the map there adds its rounding to that of c.
+static inline bool ellipsoid_roots(const scene_t *scene, uint index, const ray_t *ray, roots_t *roots)
 {
     global const ellipsoid_record_t *ellipsoid = scene->ellipsoids + index;
     float3 from_center = ray->o - load3(ellipsoid->center);
@@ -27,18 +28,24 @@ static inline bool ellipsoid_intersect(const scene_t *scene, uint index, const r
         return false;
     float f2 = dot(f, f), c = f2 - 1.0f;
     float q = b + copysign(sqrt(a * discriminant), b);
-    float t0 = c / q, t1 = q / a;
     float3 terms = (float3)(dot(fabs(load3(ellipsoid->to_local)), fabs(from_center)), dot(fabs(load3(ellipsoid->to_local + 3)), fabs(from_center)),
                             dot(fabs(load3(ellipsoid->to_local + 6)), fabs(from_center)));
-    float error = (GAMMA(8) * (f2 + 1.0f) + GAMMA(12) * dot(terms, fabs(f))) / fabs(q);
-    float near_t = fmin(t0, t1), far_t = fmax(t0, t1);
-    float t = near_t > error ? near_t : far_t;
-    if (!(t > error && t < t_max))
-        return false;
-    hit->t = t;
-    hit->u = 0.0f;
-    hit->v = 0.0f;
+    *roots = roots_new(c / q, q / a, (GAMMA(8) * (f2 + 1.0f) + GAMMA(12) * dot(terms, fabs(f))) / fabs(q));
     return true;
+}
+
+static inline bool ellipsoid_intersect(const scene_t *scene, uint index, const ray_t *ray, const ellipsoid_ray_t *prepared, float t_max, hit_t *hit)
+{
+    roots_t roots;
+    return ellipsoid_roots(scene, index, ray, &roots) && roots_first(&roots, t_max, hit);
+}
+
+#define ellipsoid_meets_twice 1
+static inline bool ellipsoid_intersect_again(const scene_t *scene, uint index, const ray_t *ray, const ellipsoid_ray_t *prepared, float t_max,
+                                             hit_t *hit)
+{
+    roots_t roots;
+    return ellipsoid_roots(scene, index, ray, &roots) && roots_second(&roots, t_max, hit);
 }
 
 // The point of the unit sphere along `offset`, in the world.

@@ -3,6 +3,7 @@
 #include "lib/math.cl"
 #include "lib/frame.cl"
 #include "lib/ray.cl"
+#include "lib/roots.cl"
 #include "lib/surface.cl"
 
 typedef struct {
@@ -18,7 +19,7 @@ static inline sphere_ray_t sphere_prepare(const ray_t *ray)
 
 // The discriminant comes from the distance of the centre to the line, the nearer root from the product of the roots: neither cancels for a small
 // sphere far away (Haines, Günther & Akenine-Möller 2019, "Precision Improvements for Ray/Sphere Intersection").
-static inline bool sphere_intersect(const scene_t *scene, uint index, const ray_t *ray, const sphere_ray_t *prepared, float t_max, hit_t *hit)
+static inline bool sphere_roots(const scene_t *scene, uint index, const ray_t *ray, const sphere_ray_t *prepared, roots_t *roots)
 {
     global const sphere_record_t *sphere = scene->spheres + index;
     float r2 = sphere->radius * sphere->radius;
@@ -31,17 +32,22 @@ static inline bool sphere_intersect(const scene_t *scene, uint index, const ray_
     float f2 = dot(f, f);
     float c = f2 - r2;
     float q = b + copysign(sqrt(prepared->a * discriminant), b);
-    float t0 = c / q, t1 = q / prepared->a;
-    // c is only known to within its rounding: a root that could be 0 is where the ray begins.
-    float error = GAMMA(8) * (f2 + r2) / fabs(q);
-    float near_t = fmin(t0, t1), far_t = fmax(t0, t1);
-    float t = near_t > error ? near_t : far_t;
-    if (!(t > error && t < t_max))
-        return false;
-    hit->t = t;
-    hit->u = 0.0f;
-    hit->v = 0.0f;
+    // c is only known to within its rounding.
+    *roots = roots_new(c / q, q / prepared->a, GAMMA(8) * (f2 + r2) / fabs(q));
     return true;
+}
+
+static inline bool sphere_intersect(const scene_t *scene, uint index, const ray_t *ray, const sphere_ray_t *prepared, float t_max, hit_t *hit)
+{
+    roots_t roots;
+    return sphere_roots(scene, index, ray, prepared, &roots) && roots_first(&roots, t_max, hit);
+}
+
+#define sphere_meets_twice 1
+static inline bool sphere_intersect_again(const scene_t *scene, uint index, const ray_t *ray, const sphere_ray_t *prepared, float t_max, hit_t *hit)
+{
+    roots_t roots;
+    return sphere_roots(scene, index, ray, prepared, &roots) && roots_second(&roots, t_max, hit);
 }
 
 // The point `offset` from the centre, brought back onto the sphere.

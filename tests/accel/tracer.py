@@ -20,7 +20,7 @@ TREES = ACCELERATORS[1:]
 SHAPE = """
 #include "shape/triangle_test.cl"
 #ifdef VISIBILITY
-bool triangle_counts(const scene_t *scene, uint index, const ray_t *ray, const hit_t *candidate)
+bool triangle_counts(const scene_t *scene, uint index, const ray_t *ray, const triangle_ray_t *prepared, float t_max, hit_t *candidate)
 {
     return (index + scene->triangle_first) % 4u == 0u;
 }

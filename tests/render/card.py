@@ -25,12 +25,16 @@ UP = [{"scale": 0.5}, {"rotate": {"axis": [1, 0, 0], "angle": -90}}]
 @dataclass
 class Cell:
     """Shapes whose transforms end in a cell's own space (x to the right, y up out of the picture, z down it, the cell within ±½), and the radiance
-    expected at points (n, 3) of its floor, as (n, 3): of every sample, but for so many roundings, or, where it is ``chance``, in the mean."""
+    expected at points (n, 3) of its floor, as (n, 3): of every sample, but for so many roundings, or, where it is ``chance``, in the mean.
+
+    Roundings are of the value itself, or of the largest of the ``terms`` that it is a sum of, which a small sum carries too.
+    """
 
     shapes: list[Json]
     expected: Callable[[Array], Array]
     roundings: int = 64
     chance: bool = False
+    terms: float = 0.0
 
 
 @dataclass
@@ -72,7 +76,7 @@ class Card:
             inner = Image(pixels=image.pixels[part], variance=image.variance[part], record=image.record)
             assert_mean(inner, expected.reshape(inner.pixels.shape))
         else:
-            assert_exact(image.pixels[part].reshape(-1, 3), expected, cell.roundings)
+            assert_exact(image.pixels[part].reshape(-1, 3), expected, cell.roundings, terms=cell.terms)
 
 
 def points() -> Array:

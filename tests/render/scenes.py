@@ -53,14 +53,14 @@ def ground(size: float, pixels: int) -> Array:
     return np.stack([x, np.zeros_like(x), z], axis=-1)
 
 
-def assert_exact(values: Array, expected: Array, roundings: int = 64, where: Array | None = None) -> None:
-    """Equal but for the relative error of so many roundings to float32."""
+def assert_exact(values: Array, expected: Array, roundings: int = 64, where: Array | None = None, terms: float = 0.0) -> None:
+    """Equal but for the relative error of so many roundings to float32, of the value or of the largest of its ``terms``."""
     values, expected = np.broadcast_arrays(np.asarray(values, np.float64), expected)
     if where is not None:
         values, expected = values[where], expected[where]
-    error = np.abs(values - expected)
-    worst = np.unravel_index(np.argmax(error - roundings * 2.0**-24 * np.abs(expected)), error.shape)
-    assert np.all(error <= roundings * 2.0**-24 * np.abs(expected)), f"at {worst}: found {values[worst]}, expected {expected[worst]}"
+    error, bound = np.abs(values - expected), roundings * 2.0**-24 * np.maximum(np.abs(expected), terms)
+    worst = np.unravel_index(np.argmax(error - bound), error.shape)
+    assert np.all(error <= bound), f"at {worst}: found {values[worst]}, expected {expected[worst]}"
 
 
 def assert_mean(image: Image, expected: Array, where: Array | None = None, roundings: int = 64) -> None:
