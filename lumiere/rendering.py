@@ -55,7 +55,7 @@ class Render:
         x0, y0, x1, y1 = scene.film.window
         self.width, self.height = x1 - x0, y1 - y0
         adaptive = scene.sampler.adaptive
-        self.samples = self.width * self.height * (scene.sampler.spp if adaptive is None else min(adaptive.max_spp, 64))
+        self.samples = self.width * self.height * (scene.sampler.spp if adaptive is None else adaptive.max_spp)
         bytes_per_path = 4 * sum(words_per_path(buffers.features))
         policy = policy_for(self.device, self.samples, bytes_per_path, 4 * buffers.features.channel_count())
         if overrides.slots is not None:
@@ -131,20 +131,18 @@ class Render:
     def take(self, batch: Batch) -> None:
         """Renders a batch into the film."""
         self.wavefront.render(batch)
-        self.counts[batch.listed()] += batch.samples_a_pixel
+        batch.count_into(self.counts)
 
     def luminance_sums(self) -> np.ndarray:
         """(pixels,) float64 in device order: luminance of the samples taken so far, summed."""
-        return LUMINANCE @ self._film_in_order()[:3]
+        return self.luminance_sums_and_deviations()[0]
 
-    def means_and_deviations(self) -> tuple[np.ndarray, np.ndarray]:
-        """(pixels, 3) float64 each, in device order: mean and standard deviation of the samples."""
-        rows, n = self._film_in_order(), self.counts.astype(np.float64)
-        return (rows[:3] / np.maximum(n, 1.0)).T, np.sqrt(np.maximum(rows[-3:], 0.0) / np.maximum(n - 1.0, 1.0)).T
-
-    def _film_in_order(self) -> np.ndarray:
+    def luminance_sums_and_deviations(self) -> tuple[np.ndarray, np.ndarray]:
+        """The same, and an upper bound of the standard deviation of a sample's luminance: that of channels that go together."""
         rows = self.wavefront.film(self.width, self.height)
-        return rows.reshape(len(rows), -1)[:, pixel_order(self.width, self.height)]
+        order = pixel_order(self.width, self.height)
+        deviations = np.sqrt(np.maximum(rows[-3:].reshape(3, -1), 0.0))
+        return (LUMINANCE @ rows[:3].reshape(3, -1))[order], (LUMINANCE @ deviations)[order] / np.sqrt(np.maximum(self.counts - 1.0, 1.0))
 
     def image(self, options: dict[str, Any]) -> Image:
         """The picture as it stands. ``options`` are what the call asked for, for the record."""

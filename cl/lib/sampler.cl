@@ -41,9 +41,10 @@ static inline film_sample_t film_sample(const scene_t *scene, uint sample)
 {
     global const render_t *render = scene->render;
 #ifdef PIXEL_LIST
-    uint ordinal = scene->pixel_list[sample / scene->batch->samples_a_pixel];
+    uint2 entry = scene->pixel_list[sample / scene->batch->samples_a_pixel];
+    uint ordinal = entry.x, first_sample = entry.y;
 #else
-    uint ordinal = scene->batch->first_pixel + sample / scene->batch->samples_a_pixel;
+    uint ordinal = scene->batch->first_pixel + sample / scene->batch->samples_a_pixel, first_sample = scene->batch->first_sample;
 #endif
     uint width = render->crop_width, height = render->crop_height;
     uint band = ordinal / (8u * width);
@@ -55,7 +56,7 @@ static inline film_sample_t film_sample(const scene_t *scene, uint sample)
     film_sample_t s;
     s.x = render->crop_x + 8u * tile + in_tile % tile_width;
     s.y = render->crop_y + 8u * band + in_tile / tile_width;
-    s.index = scene->batch->first_sample + sample % scene->batch->samples_a_pixel;
+    s.index = first_sample + sample % scene->batch->samples_a_pixel;
     return s;
 }
 

@@ -8,18 +8,27 @@
 kernel WORK_GROUP void accumulate(global const float *samples, uint sample_stride, global float *film, uint film_stride,
                                   global uint *non_finite, global const batch_t *batch
 #ifdef PIXEL_LIST
-                                  , global const uint *pixel_list
+                                  , global const uint2 *pixel_list
 #endif
                                   )
 {
     uint pixel = (uint)get_global_id(0);
     if (pixel >= batch->pixel_count)
         return;
-    uint count = batch->samples_a_pixel;
+    uint count = batch->samples_a_pixel, first_sample = batch->first_sample;
 #ifdef PIXEL_LIST
-    uint ordinal = pixel_list[pixel];
+    // Entries of one pixel follow one another; their first one's work-item adds them all.
+    uint ordinal = pixel_list[pixel].x;
+    if (pixel > 0u && pixel_list[pixel - 1u].x == ordinal)
+        return;
+    first_sample = pixel_list[pixel].y;
+    uint entries = 1u;
+    while (pixel + entries < batch->pixel_count && pixel_list[pixel + entries].x == ordinal)
+        entries++;
+    uint first = pixel * count;
+    count *= entries;
 #else
-    uint ordinal = batch->first_pixel + pixel;
+    uint ordinal = batch->first_pixel + pixel, first = pixel * count;
 #endif
     global float *out = film + ordinal;
     for (uint channel = 0u; channel < CHANNEL_COUNT; ++channel) {
@@ -27,8 +36,8 @@ kernel WORK_GROUP void accumulate(global const float *samples, uint sample_strid
         float sum = *sum_at, error = *error_at;
         float m2 = channel < 3u ? out[(size_t)(2u * CHANNEL_COUNT + channel) * film_stride] : 0.0f;
         for (uint i = 0u; i < count; ++i) {
-            uint sample = pixel * count + i;
-            uint index = batch->first_sample + i;
+            uint sample = first + i;
+            uint index = first_sample + i;
             float x = samples[(size_t)channel * sample_stride + sample];
             if (!isfinite(x)) {
                 bool counted = false;  // a sample counts once, whichever of its channels are not finite

@@ -29,6 +29,7 @@ from lumiere.light import Light
 from lumiere.light.environment import EnvironmentLight
 from lumiere.scene.model import Scene
 from lumiere.texture import Texture
+from lumiere.wavefront.batch import FEWEST_ENTRIES
 
 TWO_SIDED, VISIBLE_TO_CAMERA, VISIBLE_TO_SHADOW, TRANSLUCENT = 1, 2, 4, 8
 
@@ -104,7 +105,7 @@ def compile_scene(scene: Scene, *, wide: bool = True,
     buffers.seconds["accelerator"] = accelerator_seconds
     if features.pixel_list:
         x0, y0, x1, y1 = scene.film.window
-        buffers.add("pixel_list", "uint", np.arange((x1 - x0) * (y1 - y0), dtype=np.uint32))
+        buffers.add("pixel_list", "uint2", np.zeros((max((x1 - x0) * (y1 - y0), FEWEST_ENTRIES), 2), dtype=np.uint32))
     for o in objects:
         for reason, count in o.primitives.dropped.items():
             buffers.dropped[reason] = buffers.dropped.get(reason, 0) + count

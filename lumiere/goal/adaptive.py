@@ -9,15 +9,15 @@ is that of its neighbours, and its own samples do not decide on it (Kirk & Arvo 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lumiere.goal.error import FLOOR, LUMINANCE, Error, error_of_halves
+from lumiere.goal.error import FLOOR, Error, error_of_halves
 from lumiere.goal.uniform import Outcome, fewest
-from lumiere.wavefront.batch import Batch, passes, pixel_order
+from lumiere.wavefront.batch import listed, pixel_order
 
 if TYPE_CHECKING:
     from lumiere.rendering import Render
@@ -28,33 +28,37 @@ REACH = 2
 LEAST_SHARE, MOST_SHARE = 0.125, 0.25
 """Every round adds at least and at most these parts of the samples taken so far: rounds cost time, and one that doubled all would choose nothing."""
 
+LEAST_BATCH = 1.0 / 16.0
+"""A round has at least this part of a full batch: with less the device is not full, which costs more than choosing gains."""
+
 
 def render_adaptive(job: Render, target: float, max_spp: int, keep_on: Callable[[int], bool]) -> Outcome:
     """Takes samples until the bound of the picture's relative error is at most ``target``, every pixel has ``max_spp``, or ``keep_on`` says
     False, which is asked between batches with an estimate of all the samples that it will take.
     """
-    pixels = job.width * job.height
-    everything = np.arange(pixels)
+    pixels, capacity = job.width * job.height, job.wavefront.policy.batch
+    chosen = np.arange(pixels)
     first_half = min(fewest(pixels) // 2, max(1, max_spp // 2))  # what every pixel gets, in two halves
-    for batch in _batches(everything, 0, first_half, job):
+    more = np.full(pixels, first_half)
+    for batch in listed(chosen, job.counts, more, capacity):
         job.take(batch)
-    parts = _Parts(np.zeros(pixels), np.zeros(pixels))
-    parts.close(job.luminance_sums(), job.counts)
-    wanted = [(everything, first_half, min(first_half, max_spp - first_half))]
+    parts = _Parts(job.luminance_sums(), job.counts.astype(np.float64))
+    more = np.minimum(more, max_spp - first_half)
     error = None
-    while any(len(chosen) and more > 0 for chosen, _, more in wanted):
-        for chosen, first, more in wanted:
-            for batch in _batches(chosen, first, more, job):
-                job.take(batch)
-                if not keep_on(int(job.counts.sum())):
-                    return Outcome(error, False)
-        sums, counts = job.luminance_sums(), job.counts.astype(np.float64)
-        error = replace(parts.error(sums, counts), pixels=np.sqrt(_relative_variance(job) / counts))
+    while len(chosen) and more.min() > 0:
+        for batch in listed(chosen, job.counts[chosen], more, capacity):
+            job.take(batch)
+            if not keep_on(int(job.counts.sum())):
+                return Outcome(error, False)
+        sums, deviations = job.luminance_sums_and_deviations()
+        counts = job.counts.astype(np.float64)
+        variance = _relative_variance(sums / counts, deviations)
+        error = replace(parts.error(sums, counts), pixels=np.sqrt(variance / counts))
         if error.bound <= target:
             return Outcome(error, True)
-        chosen = _next(job, error, target, max_spp)
+        chosen = _next(job, variance, error, target, max_spp)
         parts.close_only(chosen, sums, counts)
-        wanted = [(group, int(n), int(min(n, max_spp - n))) for n, group in _by_count(chosen, job.counts)]
+        more = np.minimum(job.counts[chosen], max_spp - job.counts[chosen])
     return Outcome(error, False)
 
 
@@ -64,12 +68,8 @@ class _Parts:
     def __init__(self, sums: np.ndarray, counts: np.ndarray) -> None:
         self.sums, self.counts = sums, counts
 
-    def close(self, sums: np.ndarray, counts: np.ndarray) -> None:
-        """All that there is becomes the first part."""
-        self.sums, self.counts = sums.copy(), counts.astype(np.float64)
-
     def close_only(self, chosen: np.ndarray, sums: np.ndarray, counts: np.ndarray) -> None:
-        """The same for the ``chosen`` pixels."""
+        """All that there is of the ``chosen`` pixels becomes the first part."""
         self.sums[chosen], self.counts[chosen] = sums[chosen], counts[chosen]
 
     def error(self, sums: np.ndarray, counts: np.ndarray) -> Error:
@@ -78,20 +78,10 @@ class _Parts:
         return error_of_halves(self.sums / self.counts, (sums - self.sums) / rest, self.counts, rest)
 
 
-def _batches(chosen: np.ndarray, first_sample: int, more: int, job: Render) -> Iterator[Batch]:
-    for batch in passes(first_sample, more, len(chosen), job.wavefront.policy.batch):
-        yield replace(batch, pixels=chosen)
-
-
-def _by_count(chosen: np.ndarray, counts: np.ndarray) -> list[tuple[int, np.ndarray]]:
-    """The chosen pixels, in order, by how many samples they have."""
-    return [(int(n), chosen[counts[chosen] == n]) for n in np.unique(counts[chosen])]
-
-
-def _next(job: Render, error: Error, target: float, max_spp: int) -> np.ndarray:
+def _next(job: Render, relative_variance: np.ndarray, error: Error, target: float, max_spp: int) -> np.ndarray:
     """The pixels to double, ascending: the worthiest until the error would be half a deviation below the target, and no fewer than make a round."""
     counts = job.counts.astype(np.float64)
-    variance = _of_neighbours(_relative_variance(job), job.width, job.height)
+    variance = _of_neighbours(relative_variance, job.width, job.height)
     may = job.counts < max_spp
     worth = np.where(may, variance / counts**2, -1.0)
     order = np.argsort(-worth, kind="stable")
@@ -102,18 +92,15 @@ def _next(job: Render, error: Error, target: float, max_spp: int) -> np.ndarray:
     gain = np.cumsum(0.5 * scale * share[order]) / len(counts)
     cost = np.cumsum(np.minimum(counts[order], max_spp - counts[order]))
     enough = np.searchsorted(gain, error.bound**2 - 0.95 * target**2) + 1
-    round_size = np.searchsorted(cost, LEAST_SHARE * counts.sum()) + 1
+    round_size = np.searchsorted(cost, max(LEAST_SHARE * counts.sum(), LEAST_BATCH * job.wavefront.policy.batch)) + 1
     most = np.searchsorted(cost, MOST_SHARE * counts.sum()) + 1
     return np.sort(order[:max(min(enough, most), round_size)])
 
 
-def _relative_variance(job: Render) -> np.ndarray:
-    """(p,) in device order: variance of a sample's luminance, at most, relative to the pixel's luminance squared and the floor."""
-    means, deviations = job.means_and_deviations()
-    variance = (deviations @ LUMINANCE) ** 2
-    luminance = means @ LUMINANCE
+def _relative_variance(luminance: np.ndarray, deviations: np.ndarray) -> np.ndarray:
+    """(p,): variance of a sample's luminance relative to the pixel's luminance squared and the floor."""
     floor = FLOOR * luminance.mean() ** 2
-    return variance / (np.maximum(luminance, 0.0) ** 2 + (floor if floor > 0.0 else 1.0))
+    return deviations**2 / (np.maximum(luminance, 0.0) ** 2 + (floor if floor > 0.0 else 1.0))
 
 
 def _of_neighbours(values: np.ndarray, width: int, height: int) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -11,30 +12,35 @@ import numpy as np
 BATCH = np.dtype([("first_pixel", "<u4"), ("pixel_count", "<u4"), ("samples_a_pixel", "<u4"), ("first_sample", "<u4"), ("sample_count", "<u4")])
 
 
+FEWEST_ENTRIES = 1 << 20
+"""A list of pixels has room for so many entries, or for one a pixel where that is more."""
+
+
 @dataclass(frozen=True)
 class Batch:
     """Samples ``first_sample`` … of the pixels ``first_pixel`` …, numbered through the crop in tiles of 8 × 8.
 
-    Where the scene samples adaptively the device reads a list of pixels, and ``first_pixel`` is a place in it: ``pixels`` is that list,
-    or None for all pixels in order.
+    Where the scene samples adaptively the device reads a list instead: ``entries`` (n, 2) uint32 holds a pixel's number and the first of
+    ``samples_a_pixel`` samples; entries of one pixel follow one another, and ``pixel_count`` counts entries.
     """
 
     first_pixel: int
     pixel_count: int
     samples_a_pixel: int
     first_sample: int
-    pixels: np.ndarray | None = None
+    entries: np.ndarray | None = None
 
     @property
     def sample_count(self) -> int:
         """Samples of the batch."""
         return self.pixel_count * self.samples_a_pixel
 
-    def listed(self) -> np.ndarray:
-        """Numbers of the batch's pixels, uint32."""
-        if self.pixels is None:
-            return np.arange(self.first_pixel, self.first_pixel + self.pixel_count, dtype=np.uint32)
-        return np.ascontiguousarray(self.pixels[self.first_pixel:self.first_pixel + self.pixel_count], dtype=np.uint32)
+    def count_into(self, counts: np.ndarray) -> None:
+        """Adds the batch's samples to ``counts`` (pixels,), those that each pixel has."""
+        if self.entries is None:
+            counts[self.first_pixel:self.first_pixel + self.pixel_count] += self.samples_a_pixel
+        else:
+            counts += self.samples_a_pixel * np.bincount(self.entries[:, 0], minlength=len(counts))
 
     def record(self) -> np.ndarray:
         """The batch as the device reads it."""
@@ -54,6 +60,20 @@ def passes(first_sample: int, samples_a_pixel: int, pixels: int, capacity: int) 
     for sample in range(samples_a_pixel):
         for first in range(0, pixels, capacity):
             yield Batch(first, min(capacity, pixels - first), 1, first_sample + sample)
+
+
+def listed(chosen: np.ndarray, first_samples: np.ndarray, more: np.ndarray, capacity: int) -> Iterator[Batch]:
+    """Batches of at most ``capacity`` samples that give each of the pixels ``chosen`` ``more`` samples, from ``first_samples`` on; (n,) each."""
+    at_once = int(np.gcd.reduce(more))
+    if at_once > capacity:
+        at_once = math.gcd(at_once, 1 << (capacity.bit_length() - 1))
+    repeats = more // at_once
+    number = np.arange(repeats.sum()) - np.repeat(np.cumsum(repeats) - repeats, repeats)
+    entries = np.stack([np.repeat(chosen, repeats), np.repeat(first_samples, repeats) + at_once * number], axis=1).astype(np.uint32)
+    step = min(FEWEST_ENTRIES, capacity // at_once)
+    for at in range(0, len(entries), step):
+        part = entries[at:at + step]
+        yield Batch(0, len(part), at_once, 0, part)
 
 
 @lru_cache(maxsize=1)

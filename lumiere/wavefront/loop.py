@@ -111,7 +111,7 @@ class Wavefront:
         cl.enqueue_copy(self.queue, self._counters, counters, is_blocking=True)
         cl.enqueue_copy(self.queue, self._batch, batch.record(), is_blocking=True)
         if self.buffers.features.pixel_list:
-            cl.enqueue_copy(self.queue, self._array("pixel_list"), batch.listed(), is_blocking=True)
+            cl.enqueue_copy(self.queue, self._array("pixel_list"), batch.entries, is_blocking=True)
 
     def render(self, batch: Batch) -> None:
         """Renders a batch and adds it to the film. The host looks at the counters one look behind the device, so neither waits for the other."""
