@@ -88,9 +88,13 @@ kernel WORK_GROUP void generate(STAGE_PARAMETERS)
         slot = (uint)get_global_id(0);
     uint want = slot != NO_SLOT ? 0u : NO_QUEUE;
     local ulong *wishes = (local ulong *)(scratch + SCRATCH_WISHES);
+    local uint *tallies = scratch + SCRATCH_TALLIES;
+    group_clear(tallies);
     group_wish(want, wishes);
     barrier(CLK_LOCAL_MEM_FENCE);
-    place_t place = group_place(want, wishes);
+    place_t place = group_tally(want, wishes, tallies);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    place = group_place(want, place, tallies);
     if (want == 0u && place.rank == 0u) {
         uint first = atomic_add(counters + COUNTER_NEXT_SAMPLE, place.count);
         uint started = first < scene.batch->sample_count ? min(place.count, scene.batch->sample_count - first) : 0u;

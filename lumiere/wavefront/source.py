@@ -14,6 +14,9 @@ from lumiere.wavefront.state import path_source
 
 NON_FINITE_KEPT = 64
 
+CHUNK = 32
+"""Work-items that find their places among each other before their chunks do."""
+
 
 def queue_names(features: Features) -> list[str]:
     """The queues, in the order of their numbers."""
@@ -49,6 +52,8 @@ def _defines(features: Features, policy: Policy) -> str:
         "QUEUES_COMPACTED": policy.compacted, "GROUPS_LEAVE": policy.groups_leave, f"LIGHT_SAMPLING_{features.light_sampling.upper()}": True,
         "FIRST_HIT_AOVS": any(name in FIRST_HIT_AOVS for name in features.aovs),
     }
+    chunk, bases = min(CHUNK, policy.work_group), -(-len(queues) // 2) * 2
+    tallies = bases + policy.work_group // 2
     channels = features.channels()
     values = {f"CHANNEL_{name.upper()}": f"{first}u" for name, first in channels.items()}
     values |= {f"QUEUE_{name}": f"{number}u" for number, name in enumerate(queues)}
@@ -60,8 +65,9 @@ def _defines(features: Features, policy: Policy) -> str:
         "NON_FINITE_KEPT": f"{NON_FINITE_KEPT}u", "NO_TEXTURE": f"{NO_TEXTURE}u", "OBJECT_TWO_SIDED": f"{TWO_SIDED}u",
         "OBJECT_TRANSLUCENT": f"{TRANSLUCENT}u", "OBJECT_VISIBLE_TO_CAMERA": f"{VISIBLE_TO_CAMERA}u",
         "OBJECT_VISIBLE_TO_SHADOW": f"{VISIBLE_TO_SHADOW}u",
-        # One base a queue, then (compacted) two bytes a work-item; the census of dense queues needs three words.
-        "SCRATCH_WISHES": f"{-(-len(queues) // 2) * 2}u", "SCRATCH_SIZE": f"{-(-len(queues) // 2) * 2 + policy.work_group // 2}u",
+        # One base a queue, then (compacted) two bytes a work-item, and a count a queue and chunk; the census of dense queues needs three words.
+        "SCRATCH_WISHES": f"{bases}u", "SCRATCH_TALLIES": f"{tallies}u", "SCRATCH_SIZE": f"{tallies + len(queues) * policy.work_group // chunk}u",
+        "CHUNK": f"{chunk}u",
         # Intel's runtime for CPUs would vectorise across work-items: traversal, which has vectors of its own, is 7 to 11 times slower then, and
         # large BSDFs overwrite each other's results (runtime 2026.22.10; docs/devices.md).
         "UNVECTORIZED": "" if policy.compacted else "__attribute__((vec_type_hint(float8)))",
