@@ -26,10 +26,8 @@ REACH = 2
 """Neighbours at most so many pixels away, each way, tell a pixel's variance."""
 
 LEAST_SHARE, MOST_SHARE = 0.125, 0.25
-"""Every round adds at least and at most these parts of the samples taken so far: rounds cost time, and one that doubled all would choose nothing."""
-
-LEAST_BATCH = 1.0 / 16.0
-"""A round has at least this part of a full batch: with less the device is not full, which costs more than choosing gains."""
+"""Every round adds at least and at most these parts of the samples taken so far: rounds cost time, and one that doubled all would choose nothing.
+A round that would not fill the device is larger."""
 
 
 def render_adaptive(job: Render, target: float, max_spp: int, keep_on: Callable[[int], bool]) -> Outcome:
@@ -92,7 +90,7 @@ def _next(job: Render, relative_variance: np.ndarray, error: Error, target: floa
     gain = np.cumsum(0.5 * scale * share[order]) / len(counts)
     cost = np.cumsum(np.minimum(counts[order], max_spp - counts[order]))
     enough = np.searchsorted(gain, error.bound**2 - 0.95 * target**2) + 1
-    round_size = np.searchsorted(cost, max(LEAST_SHARE * counts.sum(), LEAST_BATCH * job.wavefront.policy.batch)) + 1
+    round_size = np.searchsorted(cost, max(LEAST_SHARE * counts.sum(), job.wavefront.policy.fill)) + 1
     most = np.searchsorted(cost, MOST_SHARE * counts.sum()) + 1
     return np.sort(order[:max(min(enough, most), round_size)])
 

@@ -9,7 +9,8 @@ from typing import Any
 @dataclass(frozen=True)
 class Policy:
     """``compacted``: queues are lists of slots (GPUs), else tags on all slots (CPUs). ``slots``: paths in flight; ``batch``: samples in one batch;
-    ``rounds``: rounds of stages queued between two looks at the counters, even; ``groups_leave``: work-groups beyond a queue's end return at once."""
+    ``rounds``: rounds of stages queued between two looks at the counters, even; ``groups_leave``: work-groups beyond a queue's end return at once;
+    ``fill``: samples below which a batch leaves the device half idle."""
 
     compacted: bool
     work_group: int
@@ -17,6 +18,7 @@ class Policy:
     batch: int
     rounds: int
     groups_leave: bool = False
+    fill: int = 1 << 16
 
 
 def is_gpu(device: Any) -> bool:
@@ -33,4 +35,4 @@ def policy_for(device: Any, samples: int, bytes_per_path: int, bytes_per_sample:
     memory = min(device.global_mem_size // 4, device.max_mem_alloc_size)
     slots = min(1 << 26 if gpu else 1 << 15, memory // 2 // max(1, bytes_per_path), max(1, samples))
     batch = min(1 << 26 if gpu else 1 << 20, memory // max(1, bytes_per_sample), max(1, samples))
-    return Policy(gpu, work_group, -(-slots // work_group) * work_group, batch, 2 if gpu else 8, groups_leave=gpu)
+    return Policy(gpu, work_group, -(-slots // work_group) * work_group, batch, 2 if gpu else 8, groups_leave=gpu, fill=1 << 24 if gpu else 1 << 16)
