@@ -10,6 +10,7 @@
 #include "lib/samples.cl"
 #include "lib/sampler.cl"
 #include "scene/camera.cl"
+#include "scene/interiors.cl"
 #ifdef FILTER_TABLE
 // A point of the filter along one axis, with its weight, by a table of the inverse of its CDF (Ernst, Stamminger & Greiner 2006).
 static inline float2 filter_sample(const scene_t *scene, float u)
@@ -62,6 +63,10 @@ static inline void start_path(const scene_t *scene, const path_t *path, const sa
     path_set_throughput(path, slot, (float3)(weight));
 #ifdef PATH_BSDF_PDF
     path_set_bsdf_pdf(path, slot, 0.0f);
+#endif
+#ifdef NESTED
+    const interiors_t outside = {{0u}};
+    interiors_set(path, slot, &outside);
 #endif
 #ifdef PATH_ETA_SCALE
     path_set_eta_scale(path, slot, 1.0f);

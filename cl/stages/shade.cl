@@ -5,6 +5,7 @@
 
 #include "lib/emission.cl"
 #include "lib/frame.cl"
+#include "scene/interiors.cl"
 #include "lib/lights.cl"
 #include "lib/offset.cl"
 #include "lib/path.cl"
@@ -210,6 +211,18 @@ static inline bool sample_bsdf(const scene_t *scene, const path_t *path, uint sl
     return true;
 }
 
+#ifdef PRIORITY
+// Goes straight on through a boundary that another body hides: no scattering event. Light sampling cannot: the light met behind counts in full.
+static inline void pass_boundary(const path_t *path, uint slot, const vertex_t *vertex, float3 direction, const interiors_t *crossed)
+{
+    path_set_origin(path, slot, ray_origin(vertex, direction));
+#ifdef PATH_BSDF_PDF
+    path_set_bsdf_pdf(path, slot, 0.0f);
+#endif
+    interiors_set(path, slot, crossed);
+}
+#endif
+
 // Shades `slot`; says whether it wants connect, and whether the path goes on.
 static inline void shade_slot(const scene_t *scene, const path_t *path, const samples_t *samples, uint slot, bool *connects, bool *goes_on)
 {
@@ -236,14 +249,29 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
 #else
     global const object_t *object = scene->objects + object_index;
 #endif
+#ifdef NESTED
+    const interiors_t interiors = interiors_get(path, slot);
+    path_set_throughput(path, slot, path_get_throughput(path, slot) * interiors_transmittance(scene, &interiors, hit.t));
+#endif
     add_emission(scene, path, samples, slot, hit.primitive, object, &vertex.surface, ray.d, vertex.depth);
-#ifndef FIRST_HIT_AOVS
+#if !defined(FIRST_HIT_AOVS) && !defined(PRIORITY)
     if (vertex.depth >= scene->render->max_depth)
         return;
 #endif
     float3 throughput = path_get_throughput(path, slot);
     BSDF(t) bsdf = BSDF(load)(scene, object->material, &vertex.surface);
     make_frame(scene, object, -ray.d, &vertex);
+#ifdef PRIORITY
+    interiors_t crossed = interiors;
+    if (object->body != 0u) {
+        if (!interiors_meet(scene, &interiors, object->body, vertex.wo.z > 0.0f, &crossed, &bsdf.ior)) {
+            pass_boundary(path, slot, &vertex, ray.d, &crossed);
+            *goes_on = true;
+            return;
+        }
+        bsdf.transmittance = (float3)(1.0f);  // the path's segments are tinted above
+    }
+#endif
 #ifdef ABSORPTION
     if (vertex.wo.z < 0.0f)
         throughput *= BSDF(absorption)(&bsdf, hit.t);  // the path has come from inside
@@ -251,6 +279,8 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
 #ifdef FIRST_HIT_AOVS
     if (vertex.depth == 0u)
         write_first_hit(scene, samples, vertex.sample, throughput.x, &vertex.surface, vertex.surface.ns, BSDF(albedo)(&bsdf), object_index);
+#endif
+#if defined(FIRST_HIT_AOVS) || defined(PRIORITY)
     if (vertex.depth >= scene->render->max_depth)
         return;
 #endif
@@ -262,6 +292,10 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
     *connects = sample_light(scene, path, slot, &bsdf, &vertex, throughput);
 #endif
     *goes_on = sample_bsdf(scene, path, slot, &bsdf, &vertex, throughput);
+#ifdef PRIORITY
+    if (*goes_on && object->body != 0u && frame_to_local(&vertex.frame, path_get_direction(path, slot)).z * vertex.wo.z < 0.0f)
+        interiors_set(path, slot, &crossed);
+#endif
     path_set_depth(path, slot, vertex.depth + 1u);
 }
 

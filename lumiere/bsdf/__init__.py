@@ -17,6 +17,15 @@ def is_smooth(roughness: float | Any) -> bool:
     return isinstance(roughness, (int, float)) and roughness < SMOOTH_ROUGHNESS
 
 
+@dataclass(frozen=True)
+class Body:
+    """What a surface bounds, where bodies overlap: the one of the highest ``priority`` is there. ``ior`` is absolute; ``absorption`` is in 1/m."""
+
+    priority: int
+    ior: float
+    absorption: tuple[float, float, float]
+
+
 @dataclass(kw_only=True)
 class Material:
     """What every material may carry.
@@ -64,6 +73,11 @@ class Material:
     def needs_tangent(self) -> bool:
         """Its shading depends on how the surface's uv run: it is anisotropic, or tilted by a map."""
         return bool(getattr(self, "anisotropy", 0.0)) or self.normal_map is not None or self.bump_map is not None
+
+    @property
+    def body(self) -> Body | None:
+        """The body that it bounds, where bodies nest by priority."""
+        return None
 
     def device_values(self) -> dict[str, Any]:
         """The values of ``device_parameters``, by name."""

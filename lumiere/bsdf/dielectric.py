@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from lumiere.bsdf import MATERIALS, Material, is_smooth
-from lumiere.scene.fields import Spectrum, number, spectrum, string
+import numpy as np
+
+from lumiere.bsdf import MATERIALS, Body, Material, is_smooth
+from lumiere.scene.fields import Spectrum, integer, number, spectrum, string
+from lumiere.texture import Texture
 
 
 @MATERIALS.register
@@ -16,8 +19,11 @@ class Dielectric(Material):
 
     Fresnel's equations for unpolarised light; where rough, GGX microfacets after Walter et al. 2007 with height-correlated Smith shadowing,
     which lose the light that would scatter more than once, or with the scene's ``energy_compensation`` give it back, to 0.012 (Kulla & Conty
-    2017). α = roughness². ``ior`` is relative to what is around the body; 1 is
-    invisible, below 1 is a bubble. Radiance carried into the body is scaled by ior² (Veach 1997, §5.2).
+    2017). α = roughness². ``ior`` is relative to what is around the body; 1 is invisible, below 1 is a bubble. Radiance carried into the body is
+    scaled by ior² (Veach 1997, §5.2).
+
+    With a ``priority`` bodies may overlap, as water that reaches a little into its glass (Schmidt & Budge 2002): where they do, the one with the
+    highest priority is there, and of equal ones the one entered last. A path remembers four bodies at once, and begins outside of all.
     """
 
     type: ClassVar[str] = "dielectric"
@@ -30,6 +36,8 @@ class Dielectric(Material):
     transmittance: Spectrum | Any = spectrum(1.0, high=1.0, textured=True, doc="tint of the light that passes, at each crossing")
     transmittance_distance: float | None = number(None, low=0.0, low_open=True, nullable=True, doc="metres inside after which light has the tint "
                                                   "instead, by Beer's law (default: tinted at each crossing)")
+    priority: int = integer(0, low=0, high=1e6, doc="of bodies that overlap the one with the highest priority is there, and ior is against vacuum "
+                                                   "(default: 0, ior is against what is around)")
     interior: str | None = string(None, nullable=True, doc="name of the medium inside")
 
     @property
@@ -47,7 +55,25 @@ class Dielectric(Material):
 
     @property
     def device_features(self) -> tuple[str, ...]:  # type: ignore[override]
+        if self.priority:
+            return ("PRIORITY",)
         return () if self.transmittance_distance is None else ("ABSORPTION",)
+
+    @property
+    def body(self) -> Body | None:
+        if not self.priority:
+            return None
+        distance = np.inf if self.transmittance_distance is None else self.transmittance_distance
+        red, green, blue = -np.log(np.maximum(self.transmittance, 1e-30)) / distance
+        return Body(self.priority, self.ior, (red, green, blue))
+
+    def check(self) -> str | None:
+        for name in ("ior", "transmittance"):
+            if self.priority and isinstance(getattr(self, name), Texture):
+                return f"found a texture for '{name}' together with 'priority', expected one value for the whole body: give a value"
+        if self.priority and self.transmittance_distance is None and min(self.transmittance) < 1.0:
+            return "found 'transmittance' and 'priority' without 'transmittance_distance', expected the way over which a body tints: add it"
+        return None
 
     def device_values(self) -> dict[str, Any]:
         return super().device_values() | {"transmittance_distance": self.transmittance_distance or 0.0}

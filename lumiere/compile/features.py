@@ -45,6 +45,8 @@ class Features:
     textured_opacity: bool = False
     normal_map: bool = False
     bump_map: bool = False
+    nested: bool = False
+    """Bodies overlap, and the one of the highest priority counts."""
     mixes: bool = False
     textured_mixes: bool = False
     triangle_corners: bool = False

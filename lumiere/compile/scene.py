@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from lumiere.accel import Accelerator, choose
-from lumiere.bsdf import Material
+from lumiere.bsdf import Body, Material
 from lumiere.bsdf.lambert import Lambert
 from lumiere.bsdf.mix import Mix
 from lumiere.camera import Camera
@@ -30,6 +30,8 @@ from lumiere.light.environment import EnvironmentLight
 from lumiere.scene.model import Scene
 from lumiere.texture import Texture
 from lumiere.wavefront.batch import FEWEST_ENTRIES
+
+BODY = np.dtype([("priority", "<u4"), ("ior", "<f4"), ("absorption", "<f4", 3)])
 
 TWO_SIDED, VISIBLE_TO_CAMERA, VISIBLE_TO_SHADOW, TRANSLUCENT = 1, 2, 4, 8
 
@@ -218,7 +220,7 @@ def _features(scene: Scene, objects: list[Object], rows: list[Row], groups: list
         clamp_indirect=scene.integrator.clamp_indirect is not None,
         opacity=any(_translucent(o.material) for o in objects), textured_opacity=any(isinstance(o.material.opacity, Texture) for o in objects),
         normal_map=any(row.normal_map is not None for row in rows), bump_map=any(row.bump_map is not None for row in rows),
-        mixes=len(mixes) > 0, textured_mixes=any(isinstance(m.weight, Texture) for m in mixes),
+        nested=any(row.material.body is not None for row in rows), mixes=len(mixes) > 0, textured_mixes=any(isinstance(m.weight, Texture) for m in mixes),
         visibility=any(not (o.shape.visible.camera and o.shape.visible.shadow) for o in objects),
         triangle_corners=any(group.corners is not None for group in groups),
         vertex_normals=any(o.primitives.normals is not None for o in objects),
@@ -308,10 +310,11 @@ def _add_objects(buffers: SceneBuffers, rows: list[Row], places: list[tuple[str,
         ("material", "<u4", True), ("flags", "<u4", True), ("shade_queue", "<u4", len(queues) > 1),
         ("material_id", "<u4", "material_id" in features.aovs), ("emission", "<i4", features.emission), ("opacity", "<f4", features.opacity),
         ("opacity_texture", "<u4", features.textured_opacity), ("normal_map", "<u4", features.normal_map),
-        ("bump_map", "<u4", features.bump_map), ("bump_scale", "<f4", features.bump_map), ("mix_a", "<u4", features.mixes),
+        ("body", "<u4", features.nested), ("bump_map", "<u4", features.bump_map), ("bump_scale", "<f4", features.bump_map), ("mix_a", "<u4", features.mixes),
         ("mix_b", "<u4", features.mixes), ("mix_weight", "<f4", features.mixes), ("mix_weight_texture", "<u4", features.textured_mixes)]
     records = np.zeros(len(rows), dtype=np.dtype([(name, sort) for name, sort, present in columns if present]))
     named: dict[int, int] = {}
+    bodies = _bodies(rows)
     for record, row, (kind, index), textures in zip(records, rows, places, maps, strict=True):
         material, visible = row.object.material, row.object.shape.visible
         sides = row.material.two_sided if row.material.two_sided is not None else material.two_sided
@@ -322,11 +325,23 @@ def _add_objects(buffers: SceneBuffers, rows: list[Row], places: list[tuple[str,
             "flags": (TWO_SIDED * bool(two_sided) | VISIBLE_TO_CAMERA * visible.camera | VISIBLE_TO_SHADOW * visible.shadow
                       | TRANSLUCENT * _translucent(material)),
             "emission": emission_of[row.number], "opacity": 1.0 if isinstance(material.opacity, Texture) else material.opacity,
+            "body": bodies.get(id(row.material), (0,))[0],
             "bump_scale": row.bump_scale, "mix_a": row.a, "mix_b": row.b, "mix_weight": 0.0 if isinstance(weight, Texture) else weight, **textures}
         for name in records.dtype.names or ():
             record[name] = values[name]
     if len(rows):
         buffers.add("objects", "object_t", records)
+    if bodies:
+        buffers.add("bodies", "body_t", np.array([(b.priority, b.ior, b.absorption) for _, b in bodies.values()], dtype=BODY))
+
+
+def _bodies(rows: list[Row]) -> dict[int, tuple[int, Body]]:
+    """By identity of the material: its body's number, from 1 on, and the body."""
+    bodies: dict[int, tuple[int, Body]] = {}
+    for row in rows:
+        if row.material.body is not None:
+            bodies.setdefault(id(row.material), (len(bodies) + 1, row.material.body))
+    return bodies
 
 
 def _add_lights(buffers: SceneBuffers, table: LightTable) -> None:

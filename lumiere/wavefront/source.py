@@ -43,6 +43,7 @@ def _defines(features: Features, policy: Policy) -> str:
         "VISIBILITY": features.visibility, "OPACITY": features.opacity, "TEXTURED_OPACITY": features.textured_opacity,
         "NORMAL_MAP": features.normal_map, "BUMP_MAP": features.bump_map,
         "BENT_NORMALS": features.normal_map or features.bump_map or features.vertex_normals,
+        "NESTED": features.nested,
         "MIXES": features.mixes, "TEXTURED_MIXES": features.textured_mixes,
         "TRIANGLE_CORNERS": features.triangle_corners,
         "VERTEX_NORMALS": features.vertex_normals,
@@ -128,6 +129,7 @@ def generated_sources(buffers: SceneBuffers, policy: Policy) -> dict[str, str]:
         "scene/lights.cl": lights,
         "scene/emission.cl": '#include "lib/textures.cl"\n' if features.textured_emission else "",
         "scene/opacity.cl": '#include "lib/textures.cl"\n' if features.textured_opacity else "",
+        "scene/interiors.cl": '#include "lib/interiors.cl"\n' if features.nested else "",
         "scene/mix.cl": '#include "lib/textures.cl"\n' if features.textured_mixes else "",
         "scene/tilt.cl": '#include "lib/textures.cl"\n' if features.normal_map or features.bump_map else "",
         "scene/textures.cl": "".join(f'#include "texture/{kind}.cl"\n' for kind in features.textures)

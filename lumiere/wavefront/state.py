@@ -36,6 +36,7 @@ PATH_FIELDS = (
     PathField("throughput", "float3", "product of the BSDF weights and of the roulette's"),
     PathField("bsdf_pdf", "float", "density of the direction over solid angle; 0 from the camera or a specular lobe", "bsdf_pdf"),
     PathField("eta_scale", "float", "product of η² over the interfaces crossed", "eta_scale"),
+    *(PathField(f"interior_{i}", "uint", "a body that the path is in (lib/interiors.cl)", "nested") for i in range(4)),
     PathField("primitive", "uint", "that the ray met"),
     PathField("object", "uint", "row of the object table that shades the meeting", "mixes"),
     PathField("hit", "float3", "t, u, v of the meeting"),
