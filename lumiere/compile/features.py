@@ -45,6 +45,8 @@ class Features:
     textured_opacity: bool = False
     normal_map: bool = False
     bump_map: bool = False
+    subsurface: bool = False
+    """Some body scatters inside."""
     mixes: bool = False
     textured_mixes: bool = False
     triangle_corners: bool = False

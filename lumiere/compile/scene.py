@@ -217,7 +217,7 @@ def _features(scene: Scene, objects: list[Object], rows: list[Row], groups: list
         clamp_indirect=scene.integrator.clamp_indirect is not None,
         opacity=any(_translucent(o.material) for o in objects), textured_opacity=any(isinstance(o.material.opacity, Texture) for o in objects),
         normal_map=any(row.normal_map is not None for row in rows), bump_map=any(row.bump_map is not None for row in rows),
-        mixes=len(mixes) > 0, textured_mixes=any(isinstance(m.weight, Texture) for m in mixes),
+        subsurface=any("BODY" in m.device_features for m in used), mixes=len(mixes) > 0, textured_mixes=any(isinstance(m.weight, Texture) for m in mixes),
         visibility=any(not (o.shape.visible.camera and o.shape.visible.shadow) for o in objects),
         triangle_corners=any(group.corners is not None for group in groups),
         vertex_normals=any(o.primitives.normals is not None for o in objects),
