@@ -23,6 +23,17 @@ static inline medium_t medium_of_color(float3 color, float3 mean_free_path, floa
     return medium;
 }
 
+// A medium without a preferred direction, of mean free paths longer by `scale`, in which diffuse light decays over the same distance: the effective
+// coefficient √(3 σa (σa + (1 − g) σs)) (Ishimaru 1978, §9.1), with σs smaller and σa larger by `scale`, all but stays.
+static inline medium_t medium_similar(medium_t medium, float scale)
+{
+    const float3 scattering = medium.albedo * medium.extinction * ((1.0f - medium.g) / scale);
+    medium.extinction = scattering + (1.0f - medium.albedo) * medium.extinction * scale;
+    medium.albedo = scattering / medium.extinction;
+    medium.g = 0.0f;
+    return medium;
+}
+
 // Free flight. One channel is picked and a distance drawn from its exponential; all channels are then weighed by the density with which any of
 // them would have drawn it: the balance heuristic with one sample (Veach 1997, §9.2.4; Chiang, Kutz & Burley 2016, "Practical and Controllable
 // Subsurface Scattering for Production Path Tracing"). With chances in proportion to the throughput, its sum over the channels never grows.

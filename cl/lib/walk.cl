@@ -5,8 +5,11 @@
 #include "lib/sampler.cl"
 
 #ifdef SUBSURFACE
-// Scattering events after which a walk goes straight on to the body's surface, as if nothing scattered there: what has not come back by then is
-// deep in a large body, and would leave it far away. Light is neither lost nor made by that, only moved.
+// A walk is exact for so many events. What has not come back by then is deep in a large body, where light diffuses: from there on steps grow,
+// doubled after each WALK_DOUBLING events, in a medium that diffuses light alike (medium_similar).
+#define WALK_EXACT 256u
+#define WALK_DOUBLING 128u
+// After so many a walk goes straight on to the surface, as if nothing scattered: white bodies lose no light.
 #define WALK_STEPS 1024u
 
 // The next flight of a path. `inside`: it is in a body.
@@ -25,7 +28,10 @@ static inline flight_t flight_of(const path_t *path, uint slot)
     flight.medium.g = path_get_asymmetry(path, slot);
     flight.chances = channel_chances(path_get_throughput(path, slot));
     flight.inside = flight.medium.extinction.x > 0.0f;
-    flight.straight = path_get_steps(path, slot) >= WALK_STEPS;
+    const uint steps = path_get_steps(path, slot);
+    if (flight.inside && steps > WALK_EXACT)
+        flight.medium = medium_similar(flight.medium, exp2((float)(steps - WALK_EXACT) * (1.0f / WALK_DOUBLING)));
+    flight.straight = steps >= WALK_STEPS;
     return flight;
 }
 
