@@ -6,6 +6,9 @@ typedef struct {
     float pdf;      // over solid angle; for a specular lobe, the probability of having picked it
     float eta;      // relative index of refraction crossed (transmitted over incident side), 1 for a reflection
     int specular;   // the direction came from a Dirac lobe
+#ifdef WALKS
+    int walks;      // wi leads into the body, or stays in it: a random walk in its medium follows
+#endif
 } bsdf_sample_t;
 
 static inline bsdf_sample_t bsdf_sample_failed(void)
@@ -16,5 +19,8 @@ static inline bsdf_sample_t bsdf_sample_failed(void)
     s.pdf = 0.0f;
     s.eta = 1.0f;
     s.specular = 0;
+#ifdef WALKS
+    s.walks = 0;
+#endif
     return s;
 }

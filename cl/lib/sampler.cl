@@ -24,6 +24,10 @@ typedef struct {
 #define DIMENSION_BSDF 3u       // which direction
 #define DIMENSION_ROULETTE 4u
 #define DIMENSION_MIX 5u        // which part of a mix
+// Of a step of the walk in a body, whose sequence is its own (lib/walk.cl); the first flight is on the surface's.
+#define DIMENSION_PHASE 3u
+#define DIMENSION_STEP_ROULETTE 4u
+#define DIMENSION_FLIGHT 6u     // channel and distance
 
 static inline uint vertex_dimension(uint depth, uint which)
 {

@@ -1,7 +1,7 @@
 // extend: traces each path's ray to the nearest surface.
 //
-// From: generate (new paths), shade (paths that go on).
-// To:   shade, by the kind of BSDF that was met; escape, where there is something beyond the scene; else the slot is idle.
+// From: generate (new paths), shade and scatter (paths that go on).
+// To:   shade, by the kind of BSDF that was met; scatter, where a walk in a body met none; escape, where there is something beyond the scene; else the slot is idle.
 
 #include "lib/math.cl"
 #include "lib/mix.cl"
@@ -9,6 +9,7 @@
 #include "lib/queue.cl"
 #include "lib/sampler.cl"
 #include "lib/shapes.cl"
+#include "scene/walk.cl"
 
 kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
 {
@@ -34,11 +35,20 @@ kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
         ray.d = path_get_direction(&path, slot);
         ray.t_max = INFINITY;
         hit_t hit;
+#ifdef SUBSURFACE
+        const flight_t flight = flight_of(&path, slot);
+        ray.t_max = flight_end(&scene, &path, slot, &flight);
+#endif
 #ifdef VISIBILITY
         scene.ray_mask = path_get_depth(&path, slot) == 0u ? OBJECT_VISIBLE_TO_CAMERA : 0u;
 #endif
 #ifdef OPACITY
-        scene.ray_seed = ray_seed(path_get_seed(&path, slot), path_get_index(&path, slot), 2u * path_get_depth(&path, slot));
+#ifdef SUBSURFACE
+        uint seed = step_seed(&path, slot);
+#else
+        uint seed = path_get_seed(&path, slot);
+#endif
+        scene.ray_seed = ray_seed(seed, path_get_index(&path, slot), 2u * path_get_depth(&path, slot));
 #endif
 #ifdef CAMERA_PARTIAL
         if (path_get_depth(&path, slot) == 0u && is_black(path_get_throughput(&path, slot)))
@@ -48,6 +58,9 @@ kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
         if (trace_nearest(&scene, &ray, &hit)) {
             path_set_hit(&path, slot, (float3)(hit.t, hit.u, hit.v));
             path_set_primitive(&path, slot, hit.primitive);
+#ifdef SUBSURFACE
+            flight_pass(&path, slot, &flight, hit.t);
+#endif
 #if SHADE_QUEUES > 1 || defined(MIXES)
             uint row = scene.primitive_objects[hit.primitive];
 #endif
@@ -62,7 +75,15 @@ kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
 #else
             next = QUEUE_SHADE_0;
 #endif
+#ifdef SUBSURFACE
+        } else if (flight.inside && !flight.straight) {
+            path_set_hit(&path, slot, (float3)(ray.t_max, 0.0f, 0.0f));
+            next = QUEUE_SCATTER;
+#endif
         } else {
+#ifdef SUBSURFACE
+            flight_pass(&path, slot, &flight, INFINITY);  // the body has no far side
+#endif
 #ifdef INFINITE_LIGHTS
             next = QUEUE_ESCAPE;
 #else

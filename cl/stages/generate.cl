@@ -71,6 +71,10 @@ static inline void start_path(const scene_t *scene, const path_t *path, const sa
 #ifdef PATH_ETA_SCALE
     path_set_eta_scale(path, slot, 1.0f);
 #endif
+#ifdef SUBSURFACE
+    path_set_extinction(path, slot, (float3)(0.0f));
+    path_set_steps(path, slot, 0u);
+#endif
 }
 
 #ifdef QUEUES_COMPACTED

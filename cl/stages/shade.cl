@@ -30,6 +30,9 @@ typedef struct {
 #ifdef VERTEX_NORMALS
     bool smooth;      // the point was moved off its triangle: lift_point
 #endif
+#ifdef SUBSURFACE
+    bool inside;      // the path has come through a body
+#endif
 } vertex_t;
 
 // Emission met by the path, weighed against light sampling.
@@ -151,6 +154,34 @@ static inline void lift_point(global const object_t *object, vertex_t *vertex)
 }
 #endif
 
+#ifdef SUBSURFACE
+// Does light from local direction wi come through a body? Shadow rays do not: such light is left to the paths.
+static inline bool through_body(const BSDF(t) *bsdf, const vertex_t *vertex, float3 wi)
+{
+#ifdef WALKS
+    return BSDF(in_body)(bsdf, wi);
+#else
+    return vertex->inside;
+#endif
+}
+#endif
+
+#ifdef WALKS
+// Takes the path that goes on along the sample into the body or out of it; says whether it is in one then.
+static inline bool cross_surface(const path_t *path, uint slot, const BSDF(t) *bsdf, const vertex_t *vertex, const bsdf_sample_t *s)
+{
+    const bool behind = vertex->wo.z < 0.0f;
+    if (s->walks && !(vertex->inside && behind)) {
+        const medium_t medium = BSDF(medium)(bsdf);
+        path_set_extinction(path, slot, medium.extinction);
+        path_set_scattering_albedo(path, slot, medium.albedo);
+        path_set_asymmetry(path, slot, medium.g);
+    } else if (behind && s->wi.z > 0.0f)
+        path_set_extinction(path, slot, (float3)(0.0f));
+    return s->walks || (vertex->inside && !(behind && s->wi.z > 0.0f));
+}
+#endif
+
 #ifdef NEXT_EVENT_ESTIMATION
 // Samples a light and stores the shadow ray that connects to it; false where nothing can come of it.
 static inline bool sample_light(const scene_t *scene, const path_t *path, uint slot, const BSDF(t) *bsdf, const vertex_t *vertex, float3 throughput)
@@ -164,6 +195,10 @@ static inline bool sample_light(const scene_t *scene, const path_t *path, uint s
     float3 wi = frame_to_local(&vertex->frame, to_light);
     if (!sides_agree(vertex, to_light, wi))
         return false;
+#ifdef SUBSURFACE
+    if (through_body(bsdf, vertex, wi))
+        return false;
+#endif
     float3 f = BSDF(eval)(bsdf, vertex->wo, wi);
     if (is_black(f))
         return false;
@@ -205,8 +240,17 @@ static inline bool sample_bsdf(const scene_t *scene, const path_t *path, uint sl
     path_set_origin(path, slot, ray_origin(vertex, direction));
     path_set_direction(path, slot, normalize(direction));
     path_set_throughput(path, slot, throughput);
+    bool alone = s.specular;  // light sampling could not have found what lies there
+#ifdef SUBSURFACE
+    path_set_steps(path, slot, 0u);
+#ifdef WALKS
+    alone = cross_surface(path, slot, bsdf, vertex, &s) || alone;
+#else
+    alone = vertex->inside || alone;
+#endif
+#endif
 #ifdef PATH_BSDF_PDF
-    path_set_bsdf_pdf(path, slot, s.specular ? 0.0f : s.pdf);
+    path_set_bsdf_pdf(path, slot, alone ? 0.0f : s.pdf);
 #endif
     return true;
 }
@@ -271,6 +315,9 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
         }
         bsdf.transmittance = (float3)(1.0f);  // the path's segments are tinted above
     }
+#endif
+#ifdef SUBSURFACE
+    vertex.inside = path_get_extinction(path, slot).x > 0.0f;
 #endif
 #ifdef ABSORPTION
     if (vertex.wo.z < 0.0f)

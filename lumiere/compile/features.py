@@ -47,6 +47,8 @@ class Features:
     bump_map: bool = False
     nested: bool = False
     """Bodies overlap, and the one of the highest priority counts."""
+    subsurface: bool = False
+    """Some body scatters inside."""
     mixes: bool = False
     textured_mixes: bool = False
     triangle_corners: bool = False

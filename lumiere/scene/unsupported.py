@@ -12,7 +12,7 @@ UNSUPPORTED: dict[tuple[str, str], frozenset[str]] = {
     ("scene", "media"): ANY,
     ("camera", "shutter"): ANY,
     ("integrator", "type"): frozenset({"bdpt"}),
-    ("material", "type"): frozenset({"subsurface", "null"}),
+    ("material", "type"): frozenset({"null"}),
     ("material", "subsurface"): ANY,
     ("material", "interior"): ANY,
     ("geometry", "type"): frozenset({"group", "instance"}),

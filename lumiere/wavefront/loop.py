@@ -1,4 +1,4 @@
-"""The wavefront: rounds of generate → extend → escape, shade → connect until a batch is done, then accumulate."""
+"""The wavefront: rounds of generate → extend → escape, scatter, shade → connect until a batch is done, then accumulate."""
 
 from __future__ import annotations
 

@@ -22,6 +22,7 @@ def queue_names(features: Features) -> list[str]:
     """The queues, in the order of their numbers."""
     names = ["IDLE_0", "IDLE_1", "EXTEND_0", "EXTEND_1", "CONNECT"]
     names += ["ESCAPE"] if features.infinite_lights else []
+    names += ["SCATTER"] if features.subsurface else []
     return names + [f"SHADE_{i}" for i in range(max(1, len(features.bsdfs)))]
 
 
@@ -43,7 +44,7 @@ def _defines(features: Features, policy: Policy) -> str:
         "VISIBILITY": features.visibility, "OPACITY": features.opacity, "TEXTURED_OPACITY": features.textured_opacity,
         "NORMAL_MAP": features.normal_map, "BUMP_MAP": features.bump_map,
         "BENT_NORMALS": features.normal_map or features.bump_map or features.vertex_normals,
-        "NESTED": features.nested,
+        "NESTED": features.nested, "SUBSURFACE": features.subsurface,
         "MIXES": features.mixes, "TEXTURED_MIXES": features.textured_mixes,
         "TRIANGLE_CORNERS": features.triangle_corners,
         "VERTEX_NORMALS": features.vertex_normals,
@@ -130,6 +131,7 @@ def generated_sources(buffers: SceneBuffers, policy: Policy) -> dict[str, str]:
         "scene/emission.cl": '#include "lib/textures.cl"\n' if features.textured_emission else "",
         "scene/opacity.cl": '#include "lib/textures.cl"\n' if features.textured_opacity else "",
         "scene/interiors.cl": '#include "lib/interiors.cl"\n' if features.nested else "",
+        "scene/walk.cl": '#include "lib/walk.cl"\n' if features.subsurface else "",
         "scene/mix.cl": '#include "lib/textures.cl"\n' if features.textured_mixes else "",
         "scene/tilt.cl": '#include "lib/textures.cl"\n' if features.normal_map or features.bump_map else "",
         "scene/textures.cl": "".join(f'#include "texture/{kind}.cl"\n' for kind in features.textures)
@@ -149,6 +151,8 @@ def program_sources(buffers: SceneBuffers, policy: Policy) -> list[ProgramSource
                ProgramSource("extend", assemble("stages/extend.cl", prelude, generated))]
     if features.infinite_lights:
         sources.append(ProgramSource("escape", assemble("stages/escape.cl", prelude, generated)))
+    if features.subsurface:
+        sources.append(ProgramSource("scatter", assemble("stages/scatter.cl", prelude, generated)))
     for number, (kind, textured) in enumerate(features.bsdfs.items()):
         specular = kind in features.specular_bsdfs
         own = f"#define QUEUE_SHADE QUEUE_SHADE_{number}\n"
