@@ -15,11 +15,11 @@ class Subsurface(Material):
     """A body that light goes into and comes out of elsewhere: a random walk (Chiang, Kutz & Burley 2016) below a dielectric surface.
 
     The surface is that of a ``dielectric`` that gives back what rough facets lose; its normal points out of the body, and the body is all that is
-    behind it, so that a mesh should be closed. Inside, light flies by an exponential of mean ``radius`` and is scattered by Henyey and Greenstein's phase function. A thick body
-    without a surface (``ior`` 1) reflects ``albedo`` of diffuse light: the albedo of one scattering event comes from van de Hulst's fit, inverted
-    as by Kulla & Conty 2017 and OpenPBR 1.1, good to about 0.01. Textures are looked up where a path enters. Every meeting with a surface counts
-    for ``max_depth``, the scattering between them does not; after 1024 events without such a meeting light goes straight on to the surface.
-    Lights inside of a body are found by paths alone, so that point-like ones are not seen from there.
+    behind it, so that a mesh should be closed. Inside, light flies by an exponential of mean ``radius`` and is scattered by Henyey and Greenstein's
+    phase function. A thick body without a surface (``ior`` 1) reflects ``albedo`` of diffuse light: the albedo of one scattering event comes from
+    van de Hulst's fit, inverted as by Kulla & Conty 2017 and OpenPBR 1.1, good to about 0.01. Textures are looked up where a path enters. Every
+    meeting with a surface counts for ``max_depth``, the scattering between them does not; after 1024 events without such a meeting light goes
+    straight on to the surface. Lights inside of a body are found by paths alone, so that point-like ones are not seen from there.
     """
 
     type: ClassVar[str] = "subsurface"
