@@ -11,12 +11,16 @@
 // minimum, which keeps the mixture reciprocal, withholds is lost. «returned» is what metal's facets lose (lib/ggx_albedo.cl); what the
 // dielectric's lose goes to the base. Gloss and coat are GGX with Schlick's Fresnel reflectance: its reflectance is exactly tabulated.
 //
-// A lobe that no material of the scene has is not compiled: PRINCIPLED_COAT, PRINCIPLED_SHEEN, PRINCIPLED_GLASS.
+// A fraction «subsurface» of the base scatters below: light goes in with D(wo), all of it and along a cosine, walks in a medium that reflects c
+// (lib/medium.cl), and comes out with D(wi) / (π D̄), so that a body whose mean free path is 0 has the base's f. In and out, no index changes.
+//
+// A lobe that no material of the scene has is not compiled: PRINCIPLED_COAT, PRINCIPLED_SHEEN, PRINCIPLED_GLASS, WALKS.
 
 #include "bsdf/contract.cl"
 #include "lib/fresnel.cl"
 #include "lib/ggx_albedo.cl"
 #include "lib/math.cl"
+#include "lib/medium.cl"
 #include "lib/microfacet.cl"
 #include "lib/rough_interface.cl"
 #include "lib/sheen.cl"
@@ -47,6 +51,9 @@ typedef struct {
     float glass;
     rough_interface_t interface;
 #endif
+#ifdef WALKS
+    float below;          // share of what scatters below the surface
+#endif
 } principled_lobes_t;
 
 static inline principled_lobes_t principled_lobes(const principled_t *bsdf)
@@ -74,6 +81,10 @@ static inline principled_lobes_t principled_lobes(const principled_t *bsdf)
     lobes.dielectric_f90 = fmin(1.0f, 50.0f * max_component(lobes.dielectric_f0));
     lobes.f0 = lobes.metal * color + opaque * lobes.dielectric_f0;
     lobes.f90 = lobes.metal + opaque * lobes.dielectric_f90;
+#ifdef WALKS
+    lobes.below = opaque * clamp(bsdf->subsurface, 0.0f, 1.0f);
+    opaque -= lobes.below;
+#endif
     lobes.base = opaque * color;
 #ifdef PRINCIPLED_COAT
     lobes.coat = clamp(bsdf->clearcoat, 0.0f, 1.0f);
@@ -152,13 +163,13 @@ static inline float3 principled_returned(const principled_lobes_t *lobes, float 
 
 // Probabilities of the lobes, seen from wo: their shares of what is scattered, from the layers' albedos.
 typedef struct {
-    float sheen, coat, gloss, base, glass;
+    float sheen, coat, gloss, base, glass, below;
 } principled_choice_t;
 
 static inline principled_choice_t principled_choice(const principled_lobes_t *lobes, const principled_layers_t *o)
 {
     principled_choice_t p;
-    p.sheen = p.coat = p.glass = 0.0f;
+    p.sheen = p.coat = p.glass = p.below = 0.0f;
 #ifdef PRINCIPLED_SHEEN
     p.sheen = luminance(lobes->sheen) * o->sheen;
 #endif
@@ -173,20 +184,36 @@ static inline principled_choice_t principled_choice(const principled_lobes_t *lo
 #ifdef PRINCIPLED_GLASS
     p.glass = lobes->glass * luminance(o->under_coat);
 #endif
-    const float sum = p.sheen + p.coat + p.gloss + p.base + p.glass;
+#ifdef WALKS
+    p.below = lobes->below * luminance(o->base);
+#endif
+    const float sum = p.sheen + p.coat + p.gloss + p.base + p.glass + p.below;
     const float scale = sum > 0.0f ? 1.0f / sum : 0.0f;
     p.sheen *= scale;
     p.coat *= scale;
     p.gloss *= scale;
     p.base *= scale;
     p.glass *= scale;
+    p.below *= scale;
     return p;
 }
+
+#ifdef WALKS
+// Out of the body.
+static inline float3 principled_out(const principled_lobes_t *lobes, float3 wi)
+{
+    return principled_layers_along(lobes, wi).base / fmax(principled_base_average(lobes), 1e-6f);
+}
+#endif
 
 static inline float3 principled_eval(const principled_t *bsdf, float3 wo, float3 wi)
 {
     const principled_lobes_t lobes = principled_lobes(bsdf);
     float3 f = (float3)(0.0f);
+#ifdef WALKS
+    if (bsdf->inside)
+        return wi.z > 0.0f ? principled_out(&lobes, wi) * (INV_PI * wi.z) : f;
+#endif
 #ifdef PRINCIPLED_GLASS
     if (lobes.glass > 0.0f && wo.z != 0.0f && wi.z != 0.0f) {
         f = lobes.glass * rough_interface_eval(&lobes.interface, wo, wi);
@@ -220,6 +247,10 @@ static inline float3 principled_eval(const principled_t *bsdf, float3 wo, float3
 
 static inline float principled_pdf(const principled_t *bsdf, float3 wo, float3 wi)
 {
+#ifdef WALKS
+    if (bsdf->inside)
+        return fmax(INV_PI * wi.z, 0.0f);
+#endif
     const principled_lobes_t lobes = principled_lobes(bsdf);
 #ifdef PRINCIPLED_GLASS
     if (wo.z < 0.0f)
@@ -289,6 +320,28 @@ static inline float3 principled_direction(const principled_lobes_t *lobes, float
 static inline bsdf_sample_t principled_sample(const principled_t *bsdf, float3 wo, float3 u)
 {
     bsdf_sample_t s = bsdf_sample_failed();
+#ifdef WALKS
+    if (bsdf->inside || wo.z > 0.0f) {
+        const float3 along = square_to_cosine_hemisphere(u.yz);
+        const principled_lobes_t lobes = principled_lobes(bsdf);
+        if (bsdf->inside) {
+            s.wi = along;
+            s.pdf = INV_PI * along.z;
+            s.weight = s.pdf > 0.0f ? principled_out(&lobes, along) : s.weight;
+            return s;
+        }
+        const principled_layers_t o = principled_layers_along(&lobes, wo);
+        const float below = principled_choice(&lobes, &o).below;
+        if (u.x >= 1.0f - below) {  // behind the other lobes, which principled_direction has below that
+            s.wi = (float3)(along.x, along.y, -along.z);
+            s.pdf = below;
+            s.weight = lobes.below * o.base / below;
+            s.specular = 1;  // as a Dirac lobe, it is in neither eval nor pdf
+            s.walks = 1;
+            return s;
+        }
+    }
+#endif
 #ifdef PRINCIPLED_GLASS
     if (wo.z == 0.0f)
         return s;
@@ -310,6 +363,18 @@ static inline bsdf_sample_t principled_sample(const principled_t *bsdf, float3 w
 #endif
     return s;
 }
+
+#ifdef WALKS
+static inline bool principled_in_body(const principled_t *bsdf, float3 wi)
+{
+    return false;  // eval has no such light
+}
+
+static inline medium_t principled_medium(const principled_t *bsdf)
+{
+    return medium_of_color(bsdf->base_color, bsdf->subsurface_radius, 0.0f);
+}
+#endif
 
 static inline float3 principled_albedo(const principled_t *bsdf)
 {

@@ -159,7 +159,7 @@ static inline void lift_point(global const object_t *object, vertex_t *vertex)
 static inline bool through_body(const BSDF(t) *bsdf, const vertex_t *vertex, float3 wi)
 {
 #ifdef WALKS
-    return BSDF(in_body)(bsdf, wi);
+    return BSDF(in_body)(bsdf, wi) || (vertex->inside && vertex->wo.z > 0.0f);
 #else
     return vertex->inside;
 #endif
@@ -318,6 +318,9 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
 #endif
 #ifdef SUBSURFACE
     vertex.inside = path_get_extinction(path, slot).x > 0.0f;
+#ifdef WALKS
+    bsdf.inside = vertex.inside && vertex.wo.z < 0.0f;
+#endif
 #endif
 #ifdef ABSORPTION
     if (vertex.wo.z < 0.0f)

@@ -25,10 +25,6 @@ class Principled(Material):
     """
 
     type: ClassVar[str] = "principled"
-    device_parameters: ClassVar[dict[str, str]] = {
-        "base_color": "spectrum", "metallic": "number", "roughness": "number", "specular": "number", "ior": "number",
-        "specular_tint": "spectrum", "anisotropy": "number", "sheen": "spectrum", "sheen_roughness": "number", "clearcoat": "number",
-        "clearcoat_roughness": "number", "transmission": "number"}
 
     base_color: Spectrum | Any = spectrum(0.8, high=1.0, textured=True,
                                           doc="of the base, of metal head on, and of light that has crossed the body's surface twice")
@@ -44,8 +40,15 @@ class Principled(Material):
     clearcoat: float | Any = number(0.0, low=0.0, high=1.0, textured=True, doc="weight of a clear coat of index 1.5")
     clearcoat_roughness: float | Any = number(0.03, low=0.0, high=1.0, textured=True, doc="of the clear coat")
     transmission: float | Any = number(0.0, low=0.0, high=1.0, textured=True, doc="fraction of what is not metal that is glass")
-    subsurface: float | Any = number(0.0, low=0.0, high=1.0, textured=True, doc="reserved")
-    subsurface_radius: Spectrum | Any = spectrum((1.0, 0.2, 0.1), textured=True, doc="reserved; mean free path, metres")
+    subsurface: float | Any = number(0.0, low=0.0, high=1.0, textured=True, doc="fraction of the base that scatters below the surface")
+    subsurface_radius: Spectrum | Any = spectrum((1.0, 0.2, 0.1), textured=True, doc="mean free path there, metres")
+
+    @property
+    def device_parameters(self) -> dict[str, str]:  # type: ignore[override]
+        usual = {"base_color": "spectrum", "metallic": "number", "roughness": "number", "specular": "number", "ior": "number",
+                 "specular_tint": "spectrum", "anisotropy": "number", "sheen": "spectrum", "sheen_roughness": "number", "clearcoat": "number",
+                 "clearcoat_roughness": "number", "transmission": "number"}
+        return usual | {"subsurface": "number", "subsurface_radius": "spectrum"} if _used(self.subsurface) else usual
 
     @property
     def refracts(self) -> bool:  # type: ignore[override]
@@ -53,7 +56,7 @@ class Principled(Material):
 
     @property
     def reflective(self) -> bool:  # type: ignore[override]
-        return not self.refracts
+        return not (self.refracts or _used(self.subsurface))
 
     @property
     def energy_tolerance(self) -> float:  # type: ignore[override]
@@ -61,7 +64,8 @@ class Principled(Material):
 
     @property
     def device_features(self) -> tuple[str, ...]:  # type: ignore[override]
-        lobes = {"PRINCIPLED_COAT": self.clearcoat, "PRINCIPLED_SHEEN": self.sheen, "PRINCIPLED_GLASS": self.transmission}
+        lobes = {"PRINCIPLED_COAT": self.clearcoat, "PRINCIPLED_SHEEN": self.sheen, "PRINCIPLED_GLASS": self.transmission,
+                 "WALKS": self.subsurface}
         return ("ENERGY_COMPENSATION", *(name for name, weight in lobes.items() if _used(weight)))
 
     @classmethod
@@ -76,5 +80,7 @@ class Principled(Material):
             cls(base_color=(0.9, 0.5, 0.3), transmission=0.5, metallic=0.2, roughness=0.2, ior=1.8, clearcoat=0.7),
             cls(base_color=(0.5, 0.1, 0.1), roughness=0.6, sheen=(0.8, 0.8, 1.0), clearcoat=1.0, clearcoat_roughness=0.2),
             cls(base_color=white, sheen=white, sheen_roughness=0.2, specular=0.0),
+            cls(base_color=(0.9, 0.5, 0.3), subsurface=1.0, roughness=0.3),
+            cls(base_color=white, subsurface=0.4, metallic=0.3, clearcoat=0.5, sheen=(0.5, 0.3, 0.2)),
             cls(base_color=white, roughness=0.3, clearcoat=1.0, clearcoat_roughness=0.0),
         ]

@@ -34,7 +34,7 @@ class MaterialTable:
             return known
         kind = material.device_kind
         members = self.members.setdefault(kind, [])
-        self.parameters[kind] = material.device_parameters
+        self.parameters.setdefault(kind, {}).update(material.device_parameters)
         textured = self.textured.setdefault(kind, set())
         textured.update(name for name, value in material.device_values().items() if isinstance(value, Texture))
         compensation = {"ENERGY_COMPENSATION"} if self.compensation and material.compensates else set()
@@ -56,7 +56,9 @@ class MaterialTable:
         """(n,) records of the kind's materials."""
         records = np.zeros(len(self.members[kind]), dtype=self.dtype(kind))
         for record, material in zip(records, self.members[kind], strict=True):
-            for name, value in material.device_values().items():
+            values = material.device_values()
+            for name in self.parameters[kind]:
+                value = values.get(name, 0.0)  # of a lobe that another material of the kind has
                 textured = isinstance(value, Texture)
                 if not textured:
                     record[name] = value
@@ -68,6 +70,7 @@ class MaterialTable:
 def bsdf_source(kind: str, parameters: dict[str, str], textured: tuple[str, ...], features: tuple[str, ...] = ()) -> str:
     """``scene/bsdf.cl`` of a kind: NAME_t, the kind's own file, and NAME_load, which looks its textures up."""
     members = "".join(f"    {'float3' if sort == 'spectrum' else 'float'} {name};\n" for name, sort in parameters.items())
+    members += "    int inside;\n" if "WALKS" in features else ""  # the path has come through the body: set by shade
     loads = []
     for name, sort in parameters.items():
         constant = f"load3(record->{name})" if sort == "spectrum" else f"record->{name}"

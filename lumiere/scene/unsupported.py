@@ -13,7 +13,6 @@ UNSUPPORTED: dict[tuple[str, str], frozenset[str]] = {
     ("camera", "shutter"): ANY,
     ("integrator", "type"): frozenset({"bdpt"}),
     ("material", "type"): frozenset({"null"}),
-    ("material", "subsurface"): ANY,
     ("material", "interior"): ANY,
     ("geometry", "type"): frozenset({"group", "instance"}),
 }

@@ -79,6 +79,8 @@ class Bsdf:
             value = f"(float3)(p[{offset}], p[{offset + 1}], p[{offset + 2}])" if sort == "spectrum" else f"p[{offset}]"
             loads += f"    bsdf.{name} = {value};\n"
             offset += 3 if sort == "spectrum" else 1
+        if "WALKS" in features:
+            members, loads = members + "    int inside;\n", loads + "    bsdf.inside = 0;\n"
         struct = "".join(f"#define {name}\n" for name in features) + f"typedef struct {{\n{members}}} {kind}_t;\n"
         struct += "#define UNVECTORIZED __attribute__((vec_type_hint(float8)))\n"  # as the stages have it on CPUs (lumiere/wavefront/source.py)
         text = assemble(f"bsdf/{kind}.cl", struct) + KERNELS.replace("LOADS\n", loads).replace("NAME", kind)

@@ -6,7 +6,6 @@ import pytest
 
 import lumiere
 from lumiere.compile.scene import compile_scene
-from lumiere.errors import SceneError
 
 
 def scene(*materials: dict[str, object], **integrator: object) -> dict[str, object]:
@@ -39,7 +38,6 @@ def test_compensation_is_the_scenes_choice() -> None:
 
 
 @pytest.mark.parametrize("value", [0.5, {"type": "constant", "value": 0.5}])
-def test_subsurface_is_refused(value: object) -> None:
-    with pytest.raises(SceneError, match="not supported yet: subsurface"):
-        lumiere.load(scene({"type": "principled", "subsurface": value}))
-    lumiere.load(scene({"type": "principled", "subsurface": 0, "subsurface_radius": [1, 0.2, 0.1]}))
+def test_only_a_body_that_scatters_walks(value: object) -> None:
+    assert "WALKS" in features({"type": "principled", "subsurface": value})["principled"]
+    assert "WALKS" not in features({"type": "principled", "subsurface": 0, "subsurface_radius": [1, 0.2, 0.1]})["principled"]
