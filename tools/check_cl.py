@@ -68,7 +68,8 @@ def scenes(folder: Path) -> Iterator[dict[str, Any]]:
     plain = {name: {"type": name} for name in MATERIALS.kinds() if name not in ("mix", "conductor", "dielectric")}
     materials = plain | {
         "smooth_gold": {"type": "conductor", "metal": "gold"}, "rough_gold": {"type": "conductor", "metal": "gold", "roughness": 0.3},
-        "smooth_glass": {"type": "dielectric"}, "rough_glass": {"type": "dielectric", "roughness": 0.3},
+        "smooth_glass": {"type": "dielectric", "priority": 1}, "wax": {"type": "subsurface", "roughness": 0},
+        "rough_glass": {"type": "dielectric", "roughness": 0.3},
         "textured": {"type": "lambert", "albedo": {"texture": "checker"}, "emission": {"texture": "checker"}, "opacity": {"texture": "constant"},
                      "bump_map": {"texture": "checker"}, "normal_map": {"texture": "picture"}},
         "colored": {"type": "lambert", "albedo": {"texture": "colors"}}}

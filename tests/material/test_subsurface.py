@@ -134,7 +134,7 @@ def test_scale_does_not_matter(device: cl.Device) -> None:
 def test_schedule_does_not_matter(device: cl.Device, monkeypatch: pytest.MonkeyPatch) -> None:
     usual = lumiere.render({"scene": SMALL}, spp=4, device=index_of(device))
     assert usual.pixels.mean() > 0.0
-    for changes in ({"slots": 128}, {"slots": 256, "compacted": True, "groups_leave": False}):
+    for changes in ({"slots": 512}, {"slots": 1024, "compacted": True, "groups_leave": False}):
         monkeypatch.setattr(lumiere.rendering, "policy_for", lambda *a, changes=changes, **k: replace(policy_for(*a, **k), **changes))
         assert np.array_equal(lumiere.render({"scene": SMALL}, spp=4, device=index_of(device)).pixels, usual.pixels), changes
 
