@@ -61,6 +61,9 @@ def test_sample_agrees_with_eval_and_pdf(device: cl.Device, name: str, view: str
     measured = study(device, name, view)
     s = measured.samples
     ok = np.flatnonzero(~s.failed & ~s.specular)[:8192]
+    if len(ok) == 0:  # all of it is Dirac lobes, or nothing at all: so must f and the density say
+        assert not measured.pdf.any() and not measured.f.any()
+        return
     wi, weight, pdf_sampled = s.wi[ok], s.weight[ok], s.pdf[ok]
     f, pdf = measured.bsdf.evaluate(measured.parameters, measured.wo, wi)
     generator = np.random.default_rng(seed("moved", name, view))
@@ -123,7 +126,7 @@ def test_reciprocity(device: cl.Device, name: str) -> None:
     generator = np.random.default_rng(seed("reciprocity", name))
     wo = generator.normal(size=(20000, 3))
     wo /= np.linalg.norm(wo, axis=1, keepdims=True)
-    if material.reflective:
+    if not material.refracts:
         wo[:, 2] = np.abs(wo[:, 2])
     s = bsdf.sample(parameters, wo, uniform(generator, len(wo)))
     ok = ~s.failed & ~s.specular & (np.abs(s.wi[:, 2]) > 1e-3) & (np.abs(wo[:, 2]) > 1e-3)
