@@ -10,11 +10,16 @@ from lumiere.accel import Accelerator, choose
 
 @dataclass(frozen=True)
 class Overrides:
-    """``accelerator`` chooses as ``lumiere.accel.choose`` does; ``compiler_options`` are given to every program's build;
-    ``slots``, where set, is the number of paths in flight, and ``compacted`` says how queues are kept.
+    """``accelerator`` chooses as ``lumiere.accel.choose`` does; ``compiler_options`` are given to the build of every program, or of
+    those of the stages named in ``stages``; ``slots``, where set, is the number of paths in flight, and ``compacted`` says how queues are kept.
     """
 
     accelerator: Callable[[str, int, bool, bool], Accelerator] = choose
     compiler_options: tuple[str, ...] = ()
+    stages: tuple[str, ...] = ()
     slots: int | None = None
     compacted: bool | None = None
+
+    def options_of(self, stage: str) -> tuple[str, ...]:
+        """The compiler's options for the programs of ``stage``."""
+        return self.compiler_options if not self.stages or stage in self.stages else ()

@@ -65,7 +65,7 @@ class Render:
         context = cl.Context([self.device])
         properties = cl.command_queue_properties.PROFILING_ENABLE if profiling else 0
         queue = cl.CommandQueue(context, self.device, properties)
-        self.wavefront = Wavefront(buffers, policy, context, queue, self.width * self.height, compiler_options=overrides.compiler_options)
+        self.wavefront = Wavefront(buffers, policy, context, queue, self.width * self.height, compiler_options=overrides.options_of)
         self.seconds["compile"] = time.perf_counter() - begin
         self.counts = np.zeros(self.width * self.height, dtype=np.int64)
         """Samples that each pixel, in device order, has got."""

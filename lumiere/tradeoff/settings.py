@@ -17,6 +17,9 @@ from lumiere.texture.image import FILTERS, ImageTexture
 
 OWN = "own settings"
 
+MATHS_STAGES = ("extend", "shade", "connect")
+"""Where the time goes; each gets relaxed maths by itself."""
+
 
 @dataclass(frozen=True)
 class Setting:
@@ -55,6 +58,8 @@ def settings(scene: Scene, mean_radiance: float) -> Iterator[Setting]:
     integrator = scene.integrator
     yield Setting("maths", "mad", overrides=Overrides(compiler_options=("-cl-mad-enable",)), builds=True)
     yield Setting("maths", "relaxed", overrides=Overrides(compiler_options=("-cl-fast-relaxed-math",)), builds=True)
+    for stage in MATHS_STAGES:
+        yield Setting("maths", f"relaxed in {stage}", overrides=Overrides(compiler_options=("-cl-fast-relaxed-math",), stages=(stage,)), builds=True)
     if integrator.type == "path":
         for depth in (2, 4, 8, 32, 64):
             if depth != integrator.max_depth:

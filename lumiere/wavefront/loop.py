@@ -10,6 +10,7 @@ import numpy as np
 
 from lumiere.compile.scene import SceneBuffers
 from lumiere.device.program import Build, build_all
+from lumiere.overrides import Overrides
 from lumiere.wavefront.batch import BATCH, Batch, pixel_order
 from lumiere.wavefront.memory import DeviceMemory
 from lumiere.wavefront.policy import Policy
@@ -38,7 +39,8 @@ class Wavefront:
     rays: RayCounts = field(default_factory=RayCounts)
     observer: Callable[[str, int, Any], None] | None = None
     """Told each launch's stage, round and event; the queue must then have been made with profiling."""
-    compiler_options: tuple[str, ...] = ()
+    compiler_options: Callable[[str], tuple[str, ...]] = Overrides().options_of
+    """Of a stage's programs, by the stage's name."""
 
     def __post_init__(self) -> None:
         features, policy = self.buffers.features, self.policy
@@ -57,7 +59,7 @@ class Wavefront:
         self._film = allocate("the film", 4 * self.film_arrays * self.film_stride)
         self._non_finite = allocate("the list of non-finite samples", 4 * (1 + 2 * NON_FINITE_KEPT))
         self._batch = allocate("the batch", BATCH.itemsize)
-        sources = [replace(source, options=self.compiler_options) for source in program_sources(self.buffers, policy)]
+        sources = [replace(source, options=self.compiler_options(source.name.partition("[")[0])) for source in program_sources(self.buffers, policy)]
         self.builds = build_all(sources, self.context, self.queue.device)
         self._arguments = [path_floats, path_uints, np.uint32(stride), self._queue_slots, self._counters, np.uint32(policy.slots)]
         self._rounds = [[self._stage(build, parity) for build in self.builds[:-1]] for parity in (0, 1)]
