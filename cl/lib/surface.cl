@@ -12,6 +12,9 @@ typedef struct {
     float3 dpdu;    // not unit; 0 where there is none
     float3 dpdv;
 #endif
+#ifdef RAY_CONES
+    float footprint;  // area that the ray stands for, m²; 0: a point
+#endif
 #ifdef VERTEX_NORMALS
     float3 lift_above;  // from p to the smooth surface that the vertices' normals stand for, where that is on ng's side
     float3 lift_below;  // or on the other
@@ -48,6 +51,9 @@ static inline surface_t surface_new(float3 p, float3 error, float3 normal)
 #ifdef SURFACE_TANGENT
     s.dpdu = (float3)(0.0f);
     s.dpdv = (float3)(0.0f);
+#endif
+#ifdef RAY_CONES
+    s.footprint = 0.0f;
 #endif
 #ifdef VERTEX_NORMALS
     s.lift_above = (float3)(0.0f);

@@ -10,6 +10,7 @@
 #include "lib/samples.cl"
 #include "lib/sampler.cl"
 #include "scene/camera.cl"
+#include "scene/cone.cl"
 #include "scene/interiors.cl"
 #ifdef FILTER_TABLE
 // A point of the filter along one axis, with its weight, by a table of the inverse of its CDF (Ernst, Stamminger & Greiner 2006).
@@ -19,6 +20,21 @@ static inline float2 filter_sample(const scene_t *scene, float u)
     uint step = min((uint)at, FILTER_TABLE_SIZE - 1u);
     global const float *entry = scene->filter_table + 2 * step;
     return (float2)(mix(entry[0], entry[2], at - (float)step), entry[1]);
+}
+#endif
+
+#ifdef RAY_CONES
+// The cone of the ray through a point of the film, from the ray through a point half a pixel's diagonal away.
+static inline cone_t camera_cone(const scene_t *scene, float2 film, float2 lens, float3 origin, float3 direction)
+{
+    const float2 half_pixel = 0.5f / (float2)((float)scene->render->width, (float)scene->render->height);
+    cone_t cone = {0.0f, 0.0f};
+    float3 o, d;
+    if (camera_ray(scene->camera, film + half_pixel, lens, &o, &d)) {
+        cone.width = CONE_PIXELS * M_SQRT2_F * distance(o, origin);
+        cone.spread = CONE_PIXELS * M_SQRT2_F * distance(normalize(d), normalize(direction));
+    }
+    return cone;
 }
 #endif
 
@@ -63,6 +79,11 @@ static inline void start_path(const scene_t *scene, const path_t *path, const sa
     path_set_throughput(path, slot, (float3)(weight));
 #ifdef PATH_BSDF_PDF
     path_set_bsdf_pdf(path, slot, 0.0f);
+#endif
+#ifdef RAY_CONES
+    const cone_t cone = camera_cone(scene, film, lens, origin, direction);
+    path_set_cone_width(path, slot, cone.width);
+    path_set_cone_spread(path, slot, cone.spread);
 #endif
 #ifdef NESTED
     const interiors_t outside = {{0u}};

@@ -15,6 +15,7 @@
 #include "lib/shapes.cl"
 #include "lib/tilt.cl"
 #include "scene/bsdf.cl"
+#include "scene/cone.cl"
 
 // Where a shadow ray to a point ends, short of the light's own surface (PBR 4ed, §6.8.6): a blocker nearer to it than 1e-4 of the way is missed.
 #define SHADOW_END 0.9999f
@@ -240,6 +241,10 @@ static inline bool sample_bsdf(const scene_t *scene, const path_t *path, uint sl
     path_set_origin(path, slot, ray_origin(vertex, direction));
     path_set_direction(path, slot, normalize(direction));
     path_set_throughput(path, slot, throughput);
+#ifdef RAY_CONES
+    if (!s.specular)
+        path_set_cone_spread(path, slot, cone_spread_after(path_get_cone_spread(path, slot), s.pdf));
+#endif
     bool alone = s.specular;  // light sampling could not have found what lies there
 #ifdef SUBSURFACE
     path_set_steps(path, slot, 0u);
@@ -285,6 +290,11 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
 
     vertex_t vertex;
     vertex.surface = surface_at(scene, &ray, &hit);
+#ifdef RAY_CONES
+    const float cone_width = path_get_cone_width(path, slot) + path_get_cone_spread(path, slot) * hit.t;
+    path_set_cone_width(path, slot, cone_width);
+    vertex.surface.footprint = cone_footprint(cone_width, dot(vertex.surface.ng, ray.d));
+#endif
     vertex.depth = path_get_depth(path, slot);
     vertex.sample = path_get_sample(path, slot);
     uint object_index = scene->primitive_objects[hit.primitive];

@@ -45,6 +45,8 @@ class Features:
     textured_opacity: bool = False
     normal_map: bool = False
     bump_map: bool = False
+    ray_cones: bool = False
+    """Paths know how wide a patch of surface they stand for: some texture is filtered over it."""
     nested: bool = False
     """Bodies overlap, and the one of the highest priority counts."""
     subsurface: bool = False

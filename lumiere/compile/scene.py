@@ -88,7 +88,7 @@ def compile_scene(scene: Scene, *, wide: bool = True,
     maps = [_maps(row, textures) for row in rows]
 
     uses_uv = "uv" in textures.uses or "uv" in scene.film.aovs
-    tangent = any(row.material.needs_tangent for row in rows)
+    tangent = any(row.material.needs_tangent for row in rows) or "footprint" in textures.uses
     uses_uv = uses_uv or tangent
     has_normals = any(o.primitives.normals is not None for o in objects)
     keep = (("normals",) if has_normals else ()) + (("uvs",) if uses_uv else ()) + (("colors",) if "color" in textures.uses else ())
@@ -220,6 +220,7 @@ def _features(scene: Scene, objects: list[Object], rows: list[Row], groups: list
         clamp_indirect=scene.integrator.clamp_indirect is not None,
         opacity=any(_translucent(o.material) for o in objects), textured_opacity=any(isinstance(o.material.opacity, Texture) for o in objects),
         normal_map=any(row.normal_map is not None for row in rows), bump_map=any(row.bump_map is not None for row in rows),
+        ray_cones="footprint" in materials.textures.uses,
         nested=any(row.material.body is not None for row in rows), subsurface=any("WALKS" in m.device_features for m in used),
         mixes=len(mixes) > 0, textured_mixes=any(isinstance(m.weight, Texture) for m in mixes),
         visibility=any(not (o.shape.visible.camera and o.shape.visible.shadow) for o in objects),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from lumiere.texture import Texture
+from lumiere.texture.pyramid import pyramid
 
 FORMAT_SRGB8, FORMAT_LINEAR8, FORMAT_FLOAT = range(3)
 
@@ -15,6 +16,11 @@ FORMAT_SRGB8, FORMAT_LINEAR8, FORMAT_FLOAT = range(3)
 def srgb_decode(x: np.ndarray) -> np.ndarray:
     """Linear value of an sRGB-encoded one in [0, 1] (IEC 61966-2-1:1999)."""
     return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+
+
+def srgb_encode(x: np.ndarray) -> np.ndarray:
+    """The inverse of ``srgb_decode``."""
+    return np.where(x <= 0.0031308, x * 12.92, 1.055 * x ** (1.0 / 2.4) - 0.055)
 
 
 def linear_rgb(pixels: np.ndarray, encoding: str | None) -> np.ndarray:
@@ -26,17 +32,31 @@ def linear_rgb(pixels: np.ndarray, encoding: str | None) -> np.ndarray:
     return srgb_decode(rgb).astype(np.float32) if encoding == "srgb" else rgb.astype(np.float32)
 
 
+def _smaller(rgba: np.ndarray, texel_format: int) -> list[np.ndarray]:
+    """The words of a picture's smaller levels; ``rgba`` is (h, w, 4) as stored."""
+    if texel_format == FORMAT_FLOAT:
+        return [level.astype(np.float32).view(np.uint32) for level in pyramid(rgba.astype(np.float32))[1:]]
+    values = rgba.astype(np.float32) / 255.0
+    if texel_format == FORMAT_SRGB8:
+        values[..., :3] = srgb_decode(values[..., :3])
+    levels = pyramid(values)[1:]
+    if texel_format == FORMAT_SRGB8:
+        levels = [np.concatenate([srgb_encode(level[..., :3]), level[..., 3:]], axis=2) for level in levels]
+    return [np.ascontiguousarray(np.rint(level * 255.0).astype(np.uint8)).view(np.uint32) for level in levels]
+
+
 @dataclass
 class TexelStore:
-    """All pictures of a scene in one array of 32-bit words: 8-bit RGBA takes one word a texel, float RGBA four. A picture is stored once."""
+    """All pictures of a scene in one array of 32-bit words: 8-bit RGBA takes one word a texel, float RGBA four. A picture is stored once
+    for each filter that needs it as it is, or with its pyramid behind it."""
 
     words: list[np.ndarray] = field(default_factory=list)
     size: int = 0
-    _known: dict[tuple[Any, Any], tuple[int, int]] = field(default_factory=dict)
+    _known: dict[tuple[Any, Any, bool], tuple[int, int]] = field(default_factory=dict)
 
     def add(self, texture: Any, pixels: np.ndarray) -> tuple[int, int]:
         """Stores ``pixels`` (h, w, c) unless it is there; returns the number of its first word and its format."""
-        key = (str(texture.file) if texture.file else id(pixels), texture.encoding)
+        key = (str(texture.file) if texture.file else id(pixels), texture.encoding, texture.filter == "mipmap")
         if key in self._known:
             return self._known[key]
         height, width, channels = pixels.shape
@@ -55,8 +75,9 @@ class TexelStore:
             words = rgba.astype(np.float32).view(np.uint32)
             texel_format = FORMAT_FLOAT
         self._known[key] = (self.size, texel_format)
-        self.words.append(words.ravel())
-        self.size += words.size
+        for level in [words, *(_smaller(rgba, texel_format) if texture.filter == "mipmap" else [])]:
+            self.words.append(level.ravel())
+            self.size += level.size
         return self._known[key]
 
 

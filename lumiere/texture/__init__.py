@@ -18,7 +18,7 @@ class Texture:
     """A value that varies over a surface.
 
     ``record`` is the numpy dtype of what ``NAME_texture(scene, index, surface)`` in ``cl/texture/NAME.cl`` reads; ``device_record`` fills it.
-    ``uses`` names the surface attributes that the kind reads (``uv``, ``color``). ``average`` is the mean value over uv, for light power.
+    ``uses`` names what the kind reads of the surface: ``uv``, ``color``, ``footprint``. ``average`` is the mean value over uv, for light power.
     """
 
     type: ClassVar[str]

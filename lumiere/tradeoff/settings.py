@@ -11,7 +11,6 @@ from typing import Any
 import lumiere.accel
 from lumiere.accel import Accelerator, choose
 from lumiere.overrides import Overrides
-from lumiere.scene.fields import fields_of
 from lumiere.scene.model import Scene
 from lumiere.texture.image import FILTERS, ImageTexture
 
@@ -67,6 +66,10 @@ def settings(scene: Scene, mean_radiance: float) -> Iterator[Setting]:
         for depth in (None, 2, 3, 8):
             if depth != integrator.russian_roulette_depth and (depth is None or depth < integrator.max_depth):
                 yield Setting("russian_roulette_depth", "never" if depth is None else str(depth), _integrator(russian_roulette_depth=depth))
+    yield from _texture_filters(scene)
+    if _compensates(scene):
+        value = not integrator.energy_compensation
+        yield Setting("energy_compensation", "on" if value else "off", _integrator(energy_compensation=value), builds=True, unbiased=False)
     for mode in ("light", "bsdf", "mis"):
         if mode != integrator.light_sampling:
             yield Setting("light_sampling", mode, _integrator(light_sampling=mode), builds=True)
@@ -78,8 +81,6 @@ def settings(scene: Scene, mean_radiance: float) -> Iterator[Setting]:
             text = "off" if value is None else f"{value:.3g}"
             yield Setting("clamp_indirect", text, _integrator(clamp_indirect=value), builds=True, unbiased=False)
     yield from _accelerators()
-    yield from _texture_filters(scene)
-    yield from _energy_compensation(scene)
 
 
 def layouts() -> dict[str, type[Accelerator]]:
@@ -134,6 +135,12 @@ def _texture_filters(scene: Scene) -> Iterator[Setting]:
             yield Setting("texture filter", name, lambda scene, name=name: _with_filter(scene, name), unbiased=False)
 
 
+def _compensates(scene: Scene) -> bool:
+    """Does some material look otherwise with the integrator's ``energy_compensation``?"""
+    materials = [*scene.materials.values(), *(shape.material for shape in scene.geometry if shape.material)]
+    return any(material.compensates for material in materials)
+
+
 def _textures(scene: Scene) -> list[Any]:
     """Textures of the scene, those written in place included."""
     found, places = list(scene.textures.values()), [*scene.materials.values(), *(s.material for s in scene.geometry if s.material)]
@@ -150,24 +157,6 @@ def _with_filter(scene: Scene, name: str) -> Scene:
         if isinstance(texture, ImageTexture):
             texture.filter = name
     return changed
-
-
-def _energy_compensation(scene: Scene) -> Iterator[Setting]:
-    """The other way for every material, where the format has the key."""
-    if not any("energy_compensation" in fields_of(type(m)) for m in scene.materials.values()):
-        return
-    import copy
-
-    for value in (True, False):
-        def change(scene: Scene, value: bool = value) -> Scene:
-            changed = copy.deepcopy(scene)
-            for material in changed.materials.values():
-                if hasattr(material, "energy_compensation"):
-                    material.energy_compensation = value
-            return changed
-
-        if any(getattr(m, "energy_compensation", value) != value for m in scene.materials.values()):
-            yield Setting("energy_compensation", "on" if value else "off", change, builds=True, unbiased=False)
 
 
 def strictest(scene: Scene) -> Scene:

@@ -44,7 +44,7 @@ def _defines(features: Features, policy: Policy) -> str:
         "VISIBILITY": features.visibility, "OPACITY": features.opacity, "TEXTURED_OPACITY": features.textured_opacity,
         "NORMAL_MAP": features.normal_map, "BUMP_MAP": features.bump_map,
         "BENT_NORMALS": features.normal_map or features.bump_map or features.vertex_normals,
-        "NESTED": features.nested, "SUBSURFACE": features.subsurface,
+        "RAY_CONES": features.ray_cones, "NESTED": features.nested, "SUBSURFACE": features.subsurface,
         "MIXES": features.mixes, "TEXTURED_MIXES": features.textured_mixes,
         "TRIANGLE_CORNERS": features.triangle_corners,
         "VERTEX_NORMALS": features.vertex_normals,
@@ -136,6 +136,7 @@ def generated_sources(buffers: SceneBuffers, policy: Policy) -> dict[str, str]:
         "scene/tilt.cl": '#include "lib/textures.cl"\n' if features.normal_map or features.bump_map else "",
         "scene/textures.cl": "".join(f'#include "texture/{kind}.cl"\n' for kind in features.textures)
         + _for_each("TEXTURE", features.textures, numbered=True),
+        "scene/cone.cl": '#include "lib/cone.cl"\n' if features.ray_cones else "",
         "scene/camera.cl": f'#include "camera/{features.camera}.cl"\n',
         "scene/sampler.cl": f'#include "sampler/{features.sampler}.cl"\n',
     }

@@ -36,6 +36,8 @@ PATH_FIELDS = (
     PathField("throughput", "float3", "product of the BSDF weights and of the roulette's"),
     PathField("bsdf_pdf", "float", "density of the direction over solid angle; 0 from the camera or a specular lobe", "bsdf_pdf"),
     PathField("eta_scale", "float", "product of η² over the interfaces crossed", "eta_scale"),
+    PathField("cone_width", "float", "diameter of the ray's cone at the origin, metres (lib/cone.cl)", "ray_cones"),
+    PathField("cone_spread", "float", "growth of that diameter by distance", "ray_cones"),
     *(PathField(f"interior_{i}", "uint", "a body that the path is in (lib/interiors.cl)", "nested") for i in range(4)),
     PathField("extinction", "float3", "σt of the body that the path is in, 1 / metre; 0 outside of bodies", "subsurface"),
     PathField("scattering_albedo", "float3", "of one scattering event in that body", "subsurface"),

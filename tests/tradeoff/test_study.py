@@ -37,9 +37,19 @@ def test_texture_filters_are_in_the_grid_where_there_are_pictures(tmp_path: Path
     textured = {"type": "lambert", "albedo": {"type": "image", "file": str(tmp_path / "a.png")}}
     scene = load({"scene": {**SCENE["scene"], "materials": {"a": textured}}})
     found = [s for s in settings(scene, 1.0) if s.factor == "texture filter"]
-    assert [s.value for s in found] == ["nearest"]
+    assert [s.value for s in found] == ["nearest", "mipmap"]
     assert found[0].change(scene).materials["a"].albedo.filter == "nearest"
     assert scene.materials["a"].albedo.filter == "bilinear"
+
+
+def test_energy_compensation_is_in_the_grid_where_a_material_knows_it() -> None:
+    def values(material: dict[str, Any], **integrator: bool) -> list[str]:
+        scene = load({"scene": {**SCENE["scene"], "materials": {"a": material}, "integrator": integrator}})
+        return [s.value for s in settings(scene, 1.0) if s.factor == "energy_compensation"]
+
+    rough = {"type": "conductor", "roughness": 0.5}
+    assert values(rough) == ["on"] and values(rough, energy_compensation=True) == ["off"]
+    assert values({"type": "lambert"}) == []
 
 
 @pytest.mark.usefixtures("device")
