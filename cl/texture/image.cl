@@ -15,12 +15,6 @@ typedef struct {
     int height;
 } image_level_t;
 
-// IEC 61966-2-1:1999.
-static inline float srgb_to_linear(float x)
-{
-    return x <= 0.04045f ? x / 12.92f : pow((x + 0.055f) / 1.055f, 2.4f);
-}
-
 static inline int image_wrap(int i, int size, int wrap)
 {
     if (wrap == WRAP_CLAMP)
@@ -45,10 +39,11 @@ static inline float4 image_texel(const scene_t *scene, global const image_textur
         return (float4)(as_float(words[0]), as_float(words[1]), as_float(words[2]), as_float(words[3]));
     }
     uint word = scene->texels[level->first + texel];
-    float4 value = (float4)(word & 255u, (word >> 8) & 255u, (word >> 16) & 255u, word >> 24) / 255.0f;
-    if (image->format == TEXEL_SRGB8)
-        value.xyz = (float3)(srgb_to_linear(value.x), srgb_to_linear(value.y), srgb_to_linear(value.z));
-    return value;
+    if (image->format == TEXEL_SRGB8) {
+        global const float *linear_values = scene->srgb_values;  // a table: powers would take most of a lookup's time
+        return (float4)(linear_values[word & 255u], linear_values[(word >> 8) & 255u], linear_values[(word >> 16) & 255u], (word >> 24) / 255.0f);
+    }
+    return (float4)(word & 255u, (word >> 8) & 255u, (word >> 16) & 255u, word >> 24) / 255.0f;
 }
 
 static inline float4 image_bilinear(const scene_t *scene, global const image_texture_t *image, const image_level_t *level, float2 at)

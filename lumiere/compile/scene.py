@@ -22,7 +22,7 @@ from lumiere.compile.lights import LightTable, light_table, mean_emission
 from lumiere.compile.materials import NO_TEXTURE, MaterialTable
 from lumiere.compile.mix import Row, rows_of
 from lumiere.compile.recentre import far_center, moved
-from lumiere.compile.textures import TextureTable
+from lumiere.compile.textures import SRGB_VALUES, TextureTable
 from lumiere.device.source import c_struct
 from lumiere.errors import SceneError
 from lumiere.light import Light
@@ -123,6 +123,7 @@ def compile_scene(scene: Scene, *, wide: bool = True,
             buffers.add(f"{kind}_textures", f"{kind}_texture_t", kind_records)
     if textures.texels.words:
         buffers.add("texels", "uint", np.concatenate(textures.texels.words))
+        buffers.add("srgb_values", "float", SRGB_VALUES)
     if features.emission:
         buffers.add("emissions", "emission_t", emissions)
     _add_lights(buffers, table)

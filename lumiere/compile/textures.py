@@ -18,6 +18,10 @@ def srgb_decode(x: np.ndarray) -> np.ndarray:
     return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
 
 
+SRGB_VALUES = srgb_decode(np.arange(256, dtype=np.float64) / 255.0).astype(np.float32)
+"""Linear values of sRGB's bytes."""
+
+
 def srgb_encode(x: np.ndarray) -> np.ndarray:
     """The inverse of ``srgb_decode``."""
     return np.where(x <= 0.0031308, x * 12.92, 1.055 * x ** (1.0 / 2.4) - 0.055)
@@ -27,8 +31,7 @@ def linear_rgb(pixels: np.ndarray, encoding: str | None) -> np.ndarray:
     """(h, w, 3) float32 linear Rec. 709 from (h, w, c) uint8 or float32 as read from a file; grey is repeated, alpha dropped."""
     rgb = pixels[..., :3] if pixels.shape[2] >= 3 else np.repeat(pixels[..., :1], 3, axis=2)
     if pixels.dtype == np.uint8:
-        values = np.arange(256, dtype=np.float64) / 255.0
-        return (values if encoding == "linear" else srgb_decode(values)).astype(np.float32)[rgb]
+        return ((np.arange(256) / 255.0).astype(np.float32) if encoding == "linear" else SRGB_VALUES)[rgb]
     return srgb_decode(rgb).astype(np.float32) if encoding == "srgb" else rgb.astype(np.float32)
 
 
