@@ -7,6 +7,7 @@
 // with a uniform lobe, whose weights and coefficients are the paper's fits (listings 2 to 4).
 
 #include "bsdf/contract.cl"
+#include "lib/circle.cl"
 #include "lib/math.cl"
 #include "lib/warp.cl"
 
@@ -107,9 +108,9 @@ static inline bsdf_sample_t oren_nayar_sample(const oren_nayar_t *bsdf, float3 w
         const cltc_t m = cltc_new(mu, r);
         const float2 x = azimuth_of(wo);
         // Uniform over the disk's clipped shape, half a disk and half an ellipse (Heitz 2018, for visible normals), then lifted.
-        const float radius = sqrt(u.y), phi = 2.0f * PI * u.z;
-        const float disk_y = radius * sin(phi);
-        const float disk_x = -mix(sqrt(fmax(0.0f, 1.0f - disk_y * disk_y)), radius * cos(phi), cltc_clipped_area(m));
+        const float2 in_disk = sqrt(u.y) * circle_point(u.z);
+        const float disk_y = in_disk.y;
+        const float disk_x = -mix(sqrt(fmax(0.0f, 1.0f - disk_y * disk_y)), in_disk.x, cltc_clipped_area(m));
         const float3 wh = (float3)(disk_x, disk_y, sqrt(fmax(0.0f, 1.0f - disk_x * disk_x - disk_y * disk_y)));
         const float3 w = normalize((float3)(m.a * wh.x + m.b * wh.z, m.c * wh.y, m.d * wh.x + wh.z));
         wi = (float3)(w.x * x.x - w.y * x.y, w.x * x.y + w.y * x.x, w.z);

@@ -6,6 +6,7 @@
 // Reciprocal; reflects at most kd + ks, and exactly that at normal incidence. Where kd + ks exceeds 1 both are scaled down to it.
 
 #include "bsdf/contract.cl"
+#include "lib/circle.cl"
 #include "lib/fresnel.cl"
 #include "lib/math.cl"
 #include "lib/warp.cl"
@@ -58,8 +59,7 @@ static inline bsdf_sample_t phong_sample(const phong_t *bsdf, float3 wo, float3 
     if (u.x < phong_glossy_probability(bsdf)) {
         // cosα = u^(1 / (n + 1)), and its sine without 1 − cos².
         const float log_cos = log1p(-u.y) / (fmax(0.0f, bsdf->exponent) + 1.0f);
-        const float sine = sqrt(-expm1(2.0f * log_cos)), phi = 2.0f * PI * u.z;
-        const float3 about_z = (float3)(sine * cos(phi), sine * sin(phi), exp(log_cos));
+        const float3 about_z = (float3)(sqrt(-expm1(2.0f * log_cos)) * circle_point(u.z), exp(log_cos));
         // Half a turn about the bisector of the normal and the mirror direction takes one to the other.
         wi = reflect_about(about_z, normalize((float3)(-wo.x, -wo.y, wo.z + 1.0f)));
     } else {

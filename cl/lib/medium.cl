@@ -1,5 +1,6 @@
 // Homogeneous media, what fills a body: extinction σt = 1 / mean free path, the albedo α = σs / σt of one scattering event, the phase function.
 
+#include "lib/circle.cl"
 #include "lib/frame.cl"
 #include "lib/math.cl"
 
@@ -82,7 +83,7 @@ static inline float3 phase_sample(float g, float3 direction, float2 u)
 {
     const float s = 2.0f * u.x - 1.0f, below = 1.0f + g * s;
     const float cosine = clamp((s + g * (0.5f * (s * s + 3.0f) + g * (s - 0.5f * g * (1.0f - s * s)))) / (below * below), -1.0f, 1.0f);
-    const float sine = sqrt((1.0f - cosine) * (1.0f + cosine)), phi = 2.0f * PI * u.y;
+    const float sine = sqrt((1.0f - cosine) * (1.0f + cosine));
     const frame_t frame = frame_about(direction);
-    return normalize(frame_to_world(&frame, (float3)(sine * cos(phi), sine * sin(phi), cosine)));
+    return normalize(frame_to_world(&frame, (float3)(sine * circle_point(u.y), cosine)));
 }

@@ -9,6 +9,7 @@
 // which never divides by a cosine: the terms stay finite down to grazing angles, and tangents are never formed from 1 − cos².
 // Every function takes |w.z|, so that it serves both sides of a surface.
 
+#include "lib/circle.cl"
 #include "lib/math.cl"
 
 // Below this perceptual roughness (α = 10⁻⁴, a lobe of 0.006°) a surface is shaded as a smooth one: directions in single precision
@@ -78,8 +79,8 @@ static inline float ggx_visible_density(ggx_t ggx, float3 wo, float3 m)
 static inline float3 ggx_sample_visible(ggx_t ggx, float3 wo, float2 u)
 {
     const float3 w = normalize((float3)(ggx.x * wo.x, ggx.y * wo.y, wo.z));  // to the hemisphere configuration, α = 1
-    const float t = u.x * (1.0f + w.z), phi = 2.0f * PI * u.y;
-    const float r = sqrt(fmax(0.0f, t * (2.0f - t)));
-    const float3 h = (float3)(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0f + w.z) * (1.0f - u.x));
+    const float t = u.x * (1.0f + w.z);
+    const float2 on_cap = sqrt(fmax(0.0f, t * (2.0f - t))) * circle_point(u.y);
+    const float3 h = (float3)(on_cap + w.xy, (1.0f + w.z) * (1.0f - u.x));
     return normalize((float3)(ggx.x * h.x, ggx.y * h.y, fmax(0.0f, h.z)));
 }

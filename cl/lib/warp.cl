@@ -1,5 +1,6 @@
 // Warps: from the unit square, where random numbers are uniform, to other domains.
 
+#include "lib/circle.cl"
 #include "lib/math.cl"
 
 // Uniform in the unit disk; neighbours stay neighbours (Shirley & Chiu 1997, "A Low Distortion Map Between Disk and Square").
@@ -10,8 +11,8 @@ static inline float2 square_to_disk(float2 u)
         return (float2)(0.0f, 0.0f);
     const bool wide = fabs(a) > fabs(b);
     const float r = wide ? a : b;
-    const float phi = wide ? 0.25f * PI * (b / a) : 0.5f * PI - 0.25f * PI * (a / b);
-    return r * (float2)(cos(phi), sin(phi));
+    const float2 p = circle_octant(0.25f * PI * (wide ? b / a : a / b));
+    return r * (wide ? p : p.yx);
 }
 
 // Cosine-weighted over the hemisphere z ≥ 0, density z / π: the disk lifted to the sphere (Malley's method; PBR 4ed, §A.5.3).
@@ -24,6 +25,6 @@ static inline float3 square_to_cosine_hemisphere(float2 u)
 // Uniform over the hemisphere z ≥ 0, density 1 / 2π; z = u.x (Archimedes).
 static inline float3 square_to_hemisphere(float2 u)
 {
-    const float r = sqrt(fmax(0.0f, (1.0f - u.x) * (1.0f + u.x))), phi = 2.0f * PI * u.y;
-    return (float3)(r * cos(phi), r * sin(phi), u.x);
+    const float r = sqrt(fmax(0.0f, (1.0f - u.x) * (1.0f + u.x)));
+    return (float3)(r * circle_point(u.y), u.x);
 }

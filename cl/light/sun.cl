@@ -1,12 +1,14 @@
 // Directional lights with an angle: a disk of constant radiance in the sky, sampled uniformly over its solid angle.
 
+#include "lib/circle.cl"
+
 static inline light_sample_t sun_sample(const scene_t *scene, uint index, float3 reference, uint2 u)
 {
     global const sun_light_t *light = scene->sun_lights + index;
     float one_minus_cos = unit_float(u.x) * light->one_minus_cos;
-    float sine = sqrt(one_minus_cos * (2.0f - one_minus_cos)), phi = 2.0f * PI * unit_float(u.y);
+    float sine = sqrt(one_minus_cos * (2.0f - one_minus_cos));
     frame_t frame = frame_about(-load3(light->direction));
-    float3 w = frame_to_world(&frame, (float3)(sine * cos(phi), sine * sin(phi), 1.0f - one_minus_cos));
+    float3 w = frame_to_world(&frame, (float3)(sine * circle_point(unit_float(u.y)), 1.0f - one_minus_cos));
     return light_sample_new(w, load3(light->radiance), INV_TWO_PI / light->one_minus_cos, 1, 0);
 }
 

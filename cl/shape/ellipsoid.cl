@@ -1,5 +1,6 @@
 // Ellipsoids: the unit sphere under a linear map.
 
+#include "lib/circle.cl"
 #include "lib/math.cl"
 #include "lib/ray.cl"
 #include "lib/roots.cl"
@@ -83,8 +84,8 @@ static inline float ellipsoid_area_density(global const ellipsoid_record_t *elli
 static inline light_point_t ellipsoid_sample(const scene_t *scene, uint index, float3 reference, float2 u)
 {
     global const ellipsoid_record_t *ellipsoid = scene->ellipsoids + index;
-    float z = 1.0f - 2.0f * u.x, r = sqrt(fmax(0.0f, 1.0f - z * z)), phi = 2.0f * PI * u.y;
-    float3 n = (float3)(r * cos(phi), r * sin(phi), z);
+    float z = 1.0f - 2.0f * u.x, r = sqrt(fmax(0.0f, 1.0f - z * z));
+    float3 n = (float3)(r * circle_point(u.y), z);
     light_point_t point;
     point.surface = ellipsoid_point(ellipsoid, n);
     point.pdf = area_to_solid_angle(ellipsoid_area_density(ellipsoid, n), reference, &point.surface);

@@ -1,5 +1,6 @@
 // Spheres.
 
+#include "lib/circle.cl"
 #include "lib/math.cl"
 #include "lib/frame.cl"
 #include "lib/ray.cl"
@@ -95,11 +96,11 @@ static inline light_point_t sphere_sample(const scene_t *scene, uint index, floa
     float r2 = sphere->radius * sphere->radius;
     float3 to_center = load3(sphere->center) - reference;
     float distance2 = dot(to_center, to_center);
-    float phi = 2.0f * PI * u.y;
+    float2 around = circle_point(u.y);
     light_point_t point;
     if (!sphere_is_outside(sphere, distance2)) {
         float z = 1.0f - 2.0f * u.x, r = sqrt(fmax(0.0f, 1.0f - z * z));
-        point.surface = sphere_point(sphere, (float3)(r * cos(phi), r * sin(phi), z));
+        point.surface = sphere_point(sphere, (float3)(r * around, z));
         point.pdf = area_to_solid_angle(1.0f / (4.0f * PI * r2), reference, &point.surface);
         return point;
     }
@@ -108,7 +109,7 @@ static inline light_point_t sphere_sample(const scene_t *scene, uint index, floa
     float sin2 = one_minus_cos * (2.0f - one_minus_cos);
     float sine = sqrt(sin2), distance = sqrt(distance2);
     frame_t frame = frame_about(to_center / distance);
-    float3 w = frame_to_world(&frame, (float3)(sine * cos(phi), sine * sin(phi), 1.0f - one_minus_cos));
+    float3 w = frame_to_world(&frame, (float3)(sine * around, 1.0f - one_minus_cos));
     float t = distance * (1.0f - one_minus_cos) - sqrt(fmax(0.0f, r2 - distance2 * sin2));
     point.surface = sphere_point(sphere, t * w - to_center);
     point.pdf = INV_TWO_PI / one_minus_cos_max;
