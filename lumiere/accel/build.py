@@ -48,11 +48,12 @@ def single_leaf(lower: np.ndarray, upper: np.ndarray) -> Topology:
         order=np.arange(n, dtype=np.uint32), depth=0)
 
 
-def build(lower: np.ndarray, upper: np.ndarray, max_leaf_size: int = 4, traversal_cost: float = 1.0) -> Topology:
+def build(lower: np.ndarray, upper: np.ndarray, max_leaf_size: int = 4, traversal_cost: float = 1.0, block: int = 1) -> Topology:
     """A topology of low surface-area cost over boxes.
 
     ``lower``, ``upper``: (n, 3) float32, finite, ``lower <= upper``. A node of at most ``max_leaf_size`` primitives becomes a leaf where
-    splitting it would not lower the cost, one step of traversal costing ``traversal_cost`` intersections. Nodes are split at the best of
+    splitting it would not lower the cost, one step of traversal costing ``traversal_cost`` intersections, which are made ``block``
+    primitives at a time: a part of a block costs as much as a whole one. Nodes are split at the best of
     15 planes between 16 equal bins of the centroids, on each of the three axes (Wald 2007, "On fast construction of SAH-based bounding
     volume hierarchies"), or of all planes between centroids where they are at most 4; in the middle of the sorted centroids where no
     plane parts them, or where only halving keeps the depth within ``MAX_DEPTH``. Raises ValueError where a box is not as said.
@@ -80,11 +81,11 @@ def build(lower: np.ndarray, upper: np.ndarray, max_leaf_size: int = 4, traversa
         low = np.stack([np.minimum.reduceat(row, start) for row in boxes[:3]])
         high = np.stack([np.maximum.reduceat(row, start) for row in boxes[3:]])
         largest_child = max_leaf_size << (MAX_DEPTH - len(levels) - 1) if len(levels) < MAX_DEPTH else 0
-        open_nodes = count > min(max_leaf_size, traversal_cost)  # no split of the others could be cheaper
-        split = _best_splits(boxes, start, count, open_nodes, largest_child)
+        open_nodes = count > min(max_leaf_size, traversal_cost * block)  # no split of the others could be cheaper
+        split = _best_splits(boxes, start, count, open_nodes, largest_child, block)
 
         area = half_area(low.astype(np.float64), high)
-        keep_whole = (count <= max_leaf_size) & ~(traversal_cost * area + split.cost < count * area)
+        keep_whole = (count <= max_leaf_size) & ~(traversal_cost * area + split.cost < _blocks(count, block) * area)
         nodes_before += len(count)
         left = np.full(len(count), -1, np.int32)
         left[~keep_whole] = nodes_before + 2 * np.arange(np.count_nonzero(~keep_whole))
@@ -111,6 +112,11 @@ def build(lower: np.ndarray, upper: np.ndarray, max_leaf_size: int = 4, traversa
                     count=count.astype(np.uint32), order=order, depth=len(levels) - 1)
 
 
+def _blocks(count: np.ndarray, block: int) -> np.ndarray:
+    """Blocks that so many primitives fill or begin."""
+    return -(-count // block)
+
+
 def half_area(low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Half the surface area of boxes given as (3, …) arrays; in float64, for an extent of 1e30 squared is no float32."""
     x, y, z = (high - low).astype(np.float64)
@@ -128,7 +134,7 @@ def sah_cost(topology: Topology, traversal_cost: float = 1.0) -> float:
 
 @dataclass
 class _Splits:
-    """The best plane of each node: its cost (area × count on both sides; inf: none), axis and last bin on the left; each primitive's bins."""
+    """The best plane of each node: its cost (area × blocks on both sides; inf: none), axis and last bin on the left; each primitive's bins."""
 
     cost: np.ndarray
     axis: np.ndarray
@@ -139,7 +145,7 @@ class _Splits:
         return _Splits(self.cost[nodes], self.axis[nodes], self.last[nodes], np.compress(primitives, self.bins, axis=1))
 
 
-def _best_splits(boxes: np.ndarray, start: np.ndarray, count: np.ndarray, open_nodes: np.ndarray, largest_child: int) -> _Splits:
+def _best_splits(boxes: np.ndarray, start: np.ndarray, count: np.ndarray, open_nodes: np.ndarray, largest_child: int, block: int) -> _Splits:
     """The best splits of a level's open nodes into children of at most ``largest_child`` primitives."""
     best = _Splits(np.full(len(count), np.inf), np.zeros(len(count), np.int8), np.zeros(len(count), np.uint8),
                    np.zeros((3, boxes.shape[1]), np.uint8))
@@ -147,12 +153,12 @@ def _best_splits(boxes: np.ndarray, start: np.ndarray, count: np.ndarray, open_n
         nodes = np.flatnonzero(open_nodes & ((count <= SMALL) == small))
         for chunk in np.split(nodes, range(NODES_AT_ONCE, len(nodes), NODES_AT_ONCE)):
             if len(chunk):
-                _best_splits_of(best, chunk, boxes, start, count, largest_child, small)
+                _best_splits_of(best, chunk, boxes, start, count, largest_child, block, small)
     return best
 
 
 def _best_splits_of(best: _Splits, nodes: np.ndarray, boxes: np.ndarray, start: np.ndarray, count: np.ndarray, largest_child: int,
-                    small: bool) -> None:
+                    block: int, small: bool) -> None:
     """Sets ``best`` for some nodes, all of at most ``SMALL`` primitives or all of more."""
     local_count = count[nodes]
     if nodes[-1] - nodes[0] + 1 == len(nodes):
@@ -168,7 +174,7 @@ def _best_splits_of(best: _Splits, nodes: np.ndarray, boxes: np.ndarray, start: 
         half_centre = 0.25 * local_boxes[axis] + 0.25 * local_boxes[axis + 3]  # half of it, so that no extent overflows
         bins = (_ranks if small else _equal_bins)(half_centre, local_start, node_of)
         histogram = _histogram(local_boxes, node_of, bins, SMALL if small else BINS, len(nodes))
-        _sweep(cost, best_axis, last, axis, *histogram, largest_child)
+        _sweep(cost, best_axis, last, axis, *histogram, largest_child, block)
         best.bins[axis, primitives] = bins
     best.cost[nodes], best.axis[nodes], best.last[nodes] = cost, best_axis, last
 
@@ -203,7 +209,7 @@ def _histogram(boxes: np.ndarray, node_of: np.ndarray, bin_of: np.ndarray, bins:
 
 
 def _sweep(best_cost: np.ndarray, best_axis: np.ndarray, best_last: np.ndarray, axis: int, count: np.ndarray, low: np.ndarray,
-           high: np.ndarray, largest_child: int) -> None:
+           high: np.ndarray, largest_child: int, block: int) -> None:
     """Lowers the nodes' best cost where a plane between two bins of ``axis`` costs less. The histogram is overwritten."""
     left_low, left_high = low[:, 0].copy(), high[:, 0].copy()
     left_count = count[:-1]
@@ -214,12 +220,12 @@ def _sweep(best_cost: np.ndarray, best_axis: np.ndarray, best_last: np.ndarray, 
                 left_count[i] += left_count[i - 1]
                 np.minimum(left_low, low[:, i], out=left_low)
                 np.maximum(left_high, high[:, i], out=left_high)
-            left_cost[i] = half_area(left_low, left_high) * left_count[i]
+            left_cost[i] = half_area(left_low, left_high) * _blocks(left_count[i], block)
         total = left_count[-1] + count[-1]
         right_low, right_high = low[:, -1], high[:, -1]
         for i in reversed(range(len(left_count))):
             right_count = total - left_count[i]
-            cost = left_cost[i] + half_area(right_low, right_high) * right_count
+            cost = left_cost[i] + half_area(right_low, right_high) * _blocks(right_count, block)
             better = cost < best_cost
             if total.max() > largest_child:
                 better &= np.maximum(left_count[i], right_count) <= largest_child

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from lumiere.accel import FLAT_UP_TO, choose
-from lumiere.accel.build import MAX_DEPTH, build
+from lumiere.accel.build import MAX_DEPTH, Topology, build, half_area
 from lumiere.accel.bvh2 import Bvh2
+from lumiere.accel.bvh8 import WIDTH, Bvh8
 from lumiere.accel.flat import Flat
 from lumiere.paths import cl_root
 
@@ -90,3 +91,50 @@ def test_choose() -> None:
     assert choose("plane", 1000, bounded=False, wide=True).name == "flat"
     for name in ("flat", "bvh2", "bvh8"):
         assert (cl_root() / f"accel/{name}.cl").is_file()
+
+
+def wide_nodes(topology: Topology) -> list[tuple[float, int]]:
+    """Area and number of children of every wide node of ``Bvh8``, by a walk that checks that each leaf is held once and lies in its box."""
+    vertices = np.zeros((len(topology.order), 3, 3), np.float32)
+    arrays = Bvh8().encode(topology, np.rec.fromarrays([vertices], names="vertices"))
+    found, waiting, blocks = [], [0], []
+    while waiting:
+        node = waiting.pop()
+        low, high = arrays["nodes"][node, 0::2], arrays["nodes"][node, 1::2]
+        present = np.isfinite(low[0])
+        children = arrays["children"][node, present].tolist()
+        box = half_area(low[:, present].min(axis=1)[:, None], high[:, present].max(axis=1)[:, None])
+        found.append((float(box[0]), len(children)))
+        blocks += [child & ~(1 << 31) for child in children if child >> 31]
+        waiting += [child for child in children if not child >> 31]
+    assert sorted(blocks) == list(range(len(arrays["blocks"]))) and len(found) == len(arrays["nodes"])
+    return found
+
+
+def least_area(topology: Topology, node: int, children: int) -> float:
+    """The least area of wide nodes below a binary node that may stand for so many children, by trying everything."""
+    if topology.left[node] < 0:
+        return 0.0
+    left = int(topology.left[node])
+    ways = [least_area(topology, left, k) + least_area(topology, left + 1, children - k) for k in range(1, children)]
+    if children < WIDTH:
+        area = float(half_area(topology.lower[node][:, None], topology.upper[node][:, None])[0])
+        ways.append(area + least_area(topology, node, WIDTH))
+    return min(ways)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_wide_nodes_have_the_least_area(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    lower = random.random((int(random.integers(2, 16)), 3)).astype(np.float32)
+    topology = build(lower, lower + random.random(lower.shape).astype(np.float32), 1)
+    root = float(half_area(topology.lower[0][:, None], topology.upper[0][:, None])[0])
+    assert sum(area for area, _ in wide_nodes(topology)) == pytest.approx(root + least_area(topology, 0, WIDTH), rel=1e-5)
+
+
+def test_wide_nodes_and_blocks_are_well_filled() -> None:
+    lower = np.random.default_rng(5).random((20000, 3)).astype(np.float32)
+    topology = Bvh8().build(lower, lower + np.float32(0.01))
+    filled = [children for _, children in wide_nodes(topology)]
+    assert np.mean(filled) > 0.65 * WIDTH
+    assert len(lower) > 0.8 * WIDTH * np.count_nonzero(topology.leaves)
