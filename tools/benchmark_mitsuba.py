@@ -1,7 +1,7 @@
 """Mitsuba 3 as a peer of tools/benchmark.py: exports a scene for it, and renders that in a process of its own when told.
 
 As a program (`python benchmark_mitsuba.py FOLDER`, started by Peer) it needs Mitsuba alone, and serves lines of standard input: an integer is a seed,
-and is answered with the seconds that the render took and the mean of its pixels.
+and is answered with the seconds that the render took and the mean of its pixels, which are then in FOLDER/picture.npy.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ LANES = {"llvm": 1 << 22, "cuda": 1 << 27}
 """Samples in one pass: Mitsuba holds them all in memory."""
 
 
-def export(scene: Any, folder: Path, variant: str) -> None:
+def export(scene: Any, folder: Path, variant: str, sampler: str = "independent") -> None:
     """Writes ``scene`` (a lumiere Scene of Lambert triangles under constant lights, seen by a pinhole) for Mitsuba: FOLDER/scene.json and meshes.
 
     Raises ValueError for what has no counterpart here.
@@ -35,7 +35,7 @@ def export(scene: Any, folder: Path, variant: str) -> None:
         "sensor": {"type": "perspective", "fov": math.degrees(2.0 * math.atan(half_x)), "fov_axis": "x",
                    "to_world": (camera.to_world() @ np.diag([-1.0, 1.0, -1.0, 1.0])).tolist(),
                    "film": {"type": "hdrfilm", "width": film.width, "height": film.height, "rfilter": {"type": "box"}, "pixel_format": "rgb"},
-                   "sampler": {"type": "independent"}}}
+                   "sampler": {"type": sampler}}}
     shapes = list(scene.geometry)
     for number, light in enumerate(scene.lights):
         lowered = light.lower()
@@ -77,7 +77,7 @@ class Peer:
         return line
 
     def render(self, seed: int) -> tuple[float, float]:
-        """Seconds of a render, and the mean of its pixels."""
+        """Seconds of a render, and the mean of its pixels; they are in the folder's picture.npy."""
         self.process.stdin.write(f"{seed}\n")
         self.process.stdin.flush()
         seconds, mean = self._line().split()
@@ -96,6 +96,7 @@ def serve(folder: Path) -> None:
     told = json.loads((folder / "scene.json").read_text(encoding="utf-8"))
     mi.set_variant(told["variant"])
     import drjit as dr
+    import numpy
 
     told["scene"]["sensor"]["to_world"] = mi.ScalarTransform4f(told["scene"]["sensor"]["to_world"])
     scene = mi.load_dict(told["scene"])
@@ -113,6 +114,7 @@ def serve(folder: Path) -> None:
         dr.eval(total)
         dr.sync_thread()
         seconds = time.perf_counter() - begin
+        numpy.save(folder / "picture.npy", numpy.array(total))
         print(seconds, dr.mean(total.array)[0], flush=True)
 
 

@@ -6,10 +6,12 @@
 #include "lib/math.cl"
 #include "scene/lights.cl"
 
-// A light by `select`, then a direction or point of it by `u`; the pdf includes the choice.
-static inline light_sample_t light_sample(const scene_t *scene, float3 reference, uint select, uint2 u)
+// A light by u.x, then a direction or point of it by what the choice leaves of u.x, and by u.y: so the lights together are stratified in two dimensions.
+// (On a light of probability p that leaves steps of 2⁻³² / p.) The pdf includes the choice.
+static inline light_sample_t light_sample(const scene_t *scene, float3 reference, uint2 u)
 {
-    discrete_t chosen = discrete_sample(scene->light_cdf, scene->render->light_count, select);
+    discrete_t chosen = discrete_sample(scene->light_cdf, scene->render->light_count, u.x);
+    u.x = chosen.rest;
     light_sample_t s = light_sample_new(reference, (float3)(0.0f), 0.0f, 0, 0);
 #ifdef EMITTERS
     if (chosen.index < scene->render->emitter_count)

@@ -18,8 +18,7 @@ typedef struct {
 #define DIMENSION_LENS 1u
 #define DIMENSION_VERTEX 8u
 #define DIMENSIONS_A_VERTEX 8u
-#define DIMENSION_LIGHT 0u      // which light
-#define DIMENSION_ON_LIGHT 1u   // where on it
+#define DIMENSION_LIGHT 0u      // which light, and where on it
 #define DIMENSION_LOBE 2u       // which lobe of the BSDF
 #define DIMENSION_BSDF 3u       // which direction
 #define DIMENSION_ROULETTE 4u

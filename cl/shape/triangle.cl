@@ -9,9 +9,9 @@ static inline surface_t triangle_point(float3 v0, float3 v1, float3 v2, float3 b
 {
     float3 p0 = b.x * v0, p1 = b.y * v1, p2 = b.z * v2;
     float3 e1 = v1 - v0, e2 = v2 - v0;
-    // Brought to unit size first: the cross product of small edges would underflow.
-    float size = fmax(max_component(fabs(e1)), max_component(fabs(e2)));
-    float3 normal = normalize(cross(e1 / size, e2 / size));
+    // Brought to the order of 1 first: the cross product of small edges would underflow.
+    float scale = triangle_unit_scale(fmax(triangle_largest(e1), triangle_largest(e2)));
+    float3 normal = normalize(cross(e1 * scale, e2 * scale));
     return surface_new(p0 + p1 + p2, GAMMA(7) * (fabs(p0) + fabs(p1) + fabs(p2)), normal);
 }
 

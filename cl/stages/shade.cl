@@ -187,9 +187,8 @@ static inline bool cross_surface(const path_t *path, uint slot, const BSDF(t) *b
 // Samples a light and stores the shadow ray that connects to it; false where nothing can come of it.
 static inline bool sample_light(const scene_t *scene, const path_t *path, uint slot, const BSDF(t) *bsdf, const vertex_t *vertex, float3 throughput)
 {
-    uint select = sample_1d(&vertex->sampler, vertex_dimension(vertex->depth, DIMENSION_LIGHT));
-    uint2 u = sample_2d(&vertex->sampler, vertex_dimension(vertex->depth, DIMENSION_ON_LIGHT));
-    light_sample_t light = light_sample(scene, vertex->surface.p, select, u);
+    uint2 u = sample_2d(&vertex->sampler, vertex_dimension(vertex->depth, DIMENSION_LIGHT));
+    light_sample_t light = light_sample(scene, vertex->surface.p, u);
     if (!(light.pdf > 0.0f) || is_black(light.radiance))
         return false;
     float3 to_light = light.infinite ? light.target : normalize(light.target - vertex->surface.p);

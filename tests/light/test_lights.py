@@ -319,13 +319,13 @@ def test_lights_are_chosen_with_the_probability_that_is_divided_out(device: cl.D
                    {"type": "directional", "irradiance": 0.0}, {"type": "directional", "angle": 5.0, "irradiance": 1.0},
                    {"type": "spot", "position": [2, 3, 4], "look_at": [0, 9, 0], "intensity": 2.0}]}}
     body = """
-    light_sample_t s = light_sample(&scene, vload3(0, in_floats), in_uints[3u * item], (uint2)(in_uints[3u * item + 1u], in_uints[3u * item + 2u]));
-    discrete_t chosen = discrete_sample(scene.light_cdf, scene.render->light_count, in_uints[3u * item]);
+    light_sample_t s = light_sample(&scene, vload3(0, in_floats), (uint2)(in_uints[2u * item], in_uints[2u * item + 1u]));
+    discrete_t chosen = discrete_sample(scene.light_cdf, scene.render->light_count, in_uints[2u * item]);
     out_uints[item] = chosen.index;
     out_floats[2u * item] = s.pdf;
     out_floats[2u * item + 1u] = chosen.probability;
     """
-    bits = np.random.default_rng(8).integers(0, 1 << 32, (SAMPLES, 3), dtype=np.uint32)
+    bits = np.random.default_rng(8).integers(0, 1 << 32, (SAMPLES, 2), dtype=np.uint32)
     probe = Probe(device, scene, "shade", body)
     out, index = probe(SAMPLES, floats=np.array([0.0, 7.5, 0.5, 0.0]), uints=bits, out_floats=2, out_uints=1)
     count = int(probe.buffers.arrays["render"][1]["light_count"][0])
