@@ -64,7 +64,8 @@ def scenes(folder: Path) -> Iterator[dict[str, Any]]:
     Image(pixels=np.full((4, 8, 3), 0.5, np.float32)).save(picture)
     colored.write_text(COLORED_PLY, encoding="ascii")
     textures = {"checker": {"type": "checker", "a": 0.2, "b": 0.6, "scale": 4}, "colors": {"type": "vertex_color"},
-                "picture": {"type": "image", "file": str(picture)}, "constant": {"type": "constant", "value": 0.5}}
+                "picture": {"type": "image", "file": str(picture)},
+                "filtered": {"type": "image", "file": str(picture), "filter": "mipmap"}, "constant": {"type": "constant", "value": 0.5}}
     plain = {name: {"type": name} for name in MATERIALS.kinds() if name not in ("mix", "conductor", "dielectric")}
     materials = plain | {
         "smooth_gold": {"type": "conductor", "metal": "gold"}, "rough_gold": {"type": "conductor", "metal": "gold", "roughness": 0.3},
@@ -72,7 +73,7 @@ def scenes(folder: Path) -> Iterator[dict[str, Any]]:
         "rough_glass": {"type": "dielectric", "roughness": 0.3},
         "textured": {"type": "lambert", "albedo": {"texture": "checker"}, "emission": {"texture": "checker"}, "opacity": {"texture": "constant"},
                      "bump_map": {"texture": "checker"}, "normal_map": {"texture": "picture"}},
-        "colored": {"type": "lambert", "albedo": {"texture": "colors"}}}
+        "filtered": {"type": "lambert", "albedo": {"texture": "filtered"}}, "colored": {"type": "lambert", "albedo": {"texture": "colors"}}}
     balls = [{"type": "sphere", "position": [i, 0, 0], "radius": 0.3, "material": name} for i, name in enumerate(materials)]
     shapes = [{"type": "plane", "position": [0, -1, 0], "normal": [0, 1, 0]},
               {"type": "sphere", "transform": [{"scale": [1, 2, 3]}], "material": "textured"},
