@@ -47,7 +47,8 @@ class Render:
         self.seconds = {"load": load_seconds, "accelerator": 0.0, "compile": 0.0, "render": 0.0}
         self.device = choose(device)
         begin = time.perf_counter()
-        buffers = compile_scene(scene, wide=not is_gpu(self.device), choose_accelerator=overrides.accelerator)
+        buffers = compile_scene(scene, wide=not is_gpu(self.device), packets=not (is_gpu(self.device) or overrides.compacted),
+                                choose_accelerator=overrides.accelerator)
         accelerator = buffers.seconds.get("accelerator", 0.0)
         self.seconds["load"] += time.perf_counter() - begin - accelerator
         self.seconds["accelerator"] = accelerator

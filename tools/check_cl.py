@@ -90,13 +90,13 @@ def scenes(folder: Path) -> Iterator[dict[str, Any]]:
                          | ({"aperture_radius": 0.1, "focus_distance": 3} if camera == "thin_lens" else {}),
                          "sampler": {"type": sampler or samplers[0]}, "film": {"aovs": list(AOVS)},
                          "textures": textures, "materials": materials, "geometry": [*balls, *shapes], "lights": lights}}
-    yield {"scene": {"geometry": [{"type": "box"}], "lights": [{"type": "environment", "file": str(picture)}]}}
+    yield {"scene": {"geometry": [{"type": "box"}, {"type": "sphere", "position": [0, 2, 0], "radius": 0.5}], "lights": [{"type": "environment", "file": str(picture)}]}}
 
 
 def programs(scene: Scene) -> Iterator[ProgramSource]:
     """The programs of ``scene`` for both ways of keeping queues."""
-    buffers = compile_scene(scene)
     for compacted in (False, True):
+        buffers = compile_scene(scene, packets=not compacted)
         yield from program_sources(buffers, Policy(compacted=compacted, work_group=64, slots=1024, batch=1024, rounds=1))
 
 

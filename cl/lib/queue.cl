@@ -134,10 +134,20 @@ static inline uint queue_take_connect(const queues_t *queues)
 
 #else
 
+static inline bool queue_holds(const queues_t *queues, uint queue, uint slot)
+{
+    return slot < queues->capacity && queues->tags[slot] == queue;
+}
+
+static inline bool queue_holds_connect(const queues_t *queues, uint slot)
+{
+    return slot < queues->capacity && queues->connects[slot] != 0u;
+}
+
 static inline uint queue_take(const queues_t *queues, uint queue)
 {
     uint slot = (uint)get_global_id(0);
-    return slot < queues->capacity && queues->tags[slot] == queue ? slot : NO_SLOT;
+    return queue_holds(queues, queue, slot) ? slot : NO_SLOT;
 }
 
 static inline bool queue_is_over(const queues_t *queues, uint queue)
@@ -161,7 +171,7 @@ static inline void queue_push_with_connect(const queues_t *queues, uint queue, b
 static inline uint queue_take_connect(const queues_t *queues)
 {
     uint slot = (uint)get_global_id(0);
-    return slot < queues->capacity && queues->connects[slot] != 0u ? slot : NO_SLOT;
+    return queue_holds_connect(queues, slot) ? slot : NO_SLOT;
 }
 
 #endif

@@ -1,16 +1,7 @@
 // Random numbers as a function of (seed, pixel, index of the sample, dimension).
 
 #include "lib/hash.cl"
-
-typedef struct {
-    uint seed;   // of the pixel
-    uint index;  // of the sample
-#ifdef SAMPLER_STRATA
-    uint strata_x;
-    uint strata_y;
-#endif
-} sequence_t;
-
+#include "lib/sequence.cl"
 #include "scene/sampler.cl"
 
 // Dimensions. Those of a path's vertex follow DIMENSION_VERTEX + depth × DIMENSIONS_A_VERTEX.

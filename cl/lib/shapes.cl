@@ -4,6 +4,21 @@
 #include "lib/surface.cl"
 #include "scene/shapes.cl"
 
+#ifdef RAY_PACKETS
+// Sets t, u, v, primitive and met of the packet's lanes.
+static inline void trace_nearest_packet(const scene_t *scene, packet_t *packet)
+{
+#define NEAREST_OF(NAME) NAME##_nearest_packet(scene, packet);
+    FOR_EACH_SHAPE(NEAREST_OF)
+}
+
+// Sets met of the packet's lanes.
+static inline void trace_occluded_packet(const scene_t *scene, packet_t *packet)
+{
+#define OCCLUDED_BY(NAME) NAME##_occluded_packet(scene, packet);
+    FOR_EACH_SHAPE(OCCLUDED_BY)
+}
+#else
 static inline bool trace_nearest(const scene_t *scene, const ray_t *ray, hit_t *hit)
 {
     hit->t = ray->t_max;
@@ -21,6 +36,7 @@ static inline bool trace_occluded(const scene_t *scene, const ray_t *ray)
     FOR_EACH_SHAPE(OCCLUDED_BY)
     return false;
 }
+#endif
 
 static inline surface_t surface_at(const scene_t *scene, const ray_t *ray, const hit_t *hit)
 {

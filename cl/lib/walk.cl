@@ -53,7 +53,7 @@ static inline float flight_end(const scene_t *scene, const path_t *path, uint sl
     if (!flight->inside || flight->straight)
         return INFINITY;
     const sequence_t sampler = step_sequence(scene, path, slot);
-    const uint2 u = sample_2d(&sampler, vertex_dimension(path_get_depth(path, slot), DIMENSION_FLIGHT));
+    const pair_t u = sample_2d(&sampler, vertex_dimension(path_get_depth(path, slot), DIMENSION_FLIGHT));
     return flight_distance(&flight->medium, flight->chances, (float2)(unit_float(u.x), unit_float(u.y)));
 }
 

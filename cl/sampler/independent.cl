@@ -2,13 +2,14 @@
 
 #include "lib/hash.cl"
 
-static inline uint sample_1d(const sequence_t *sampler, uint dimension)
+static inline LANES sample_1d(const sequence_t *sampler, LANES dimension)
 {
     return hash_combine(hash_combine(sampler->seed, sampler->index), dimension);
 }
 
-static inline uint2 sample_2d(const sequence_t *sampler, uint dimension)
+static inline pair_t sample_2d(const sequence_t *sampler, LANES dimension)
 {
-    uint x = sample_1d(sampler, dimension);
-    return (uint2)(x, hash_uint(x ^ 0x68bc21ebu));
+    const LANES x = sample_1d(sampler, dimension);
+    const pair_t pair = {x, hash_uint(x ^ 0x68bc21ebu)};
+    return pair;
 }

@@ -3,7 +3,7 @@
 
 #include "lib/hash.cl"
 
-static inline uint reverse_bits(uint x)
+static inline LANES reverse_bits(LANES x)
 {
     x = (x << 16) | (x >> 16);
     x = ((x & 0x00ff00ffu) << 8) | ((x & 0xff00ff00u) >> 8);
@@ -14,7 +14,7 @@ static inline uint reverse_bits(uint x)
 
 // Owen scrambling of a number whose bits are reversed: each bit is flipped by a hash of the bits below it
 // (Laine & Karras 2011, §3; constants of Vegdahl 2021, "Owen Scrambling Based on Better Hashing").
-static inline uint scramble_reversed(uint x, uint seed)
+static inline LANES scramble_reversed(LANES x, LANES seed)
 {
     x ^= x * 0x3d20adeau;
     x += seed;
@@ -26,7 +26,7 @@ static inline uint scramble_reversed(uint x, uint seed)
 
 // Second Sobol dimension of `index`, bits reversed. Its generator matrix is Pascal's triangle modulo 2, the fivefold Kronecker power of (1 1; 0 1):
 // so the product is five masked shifts (the matrix: Sobol 1967; Ahmed 2024, "An Implementation Algorithm of 2D Sobol Sequence").
-static inline uint sobol_second_reversed(uint x)
+static inline LANES sobol_second_reversed(LANES x)
 {
     x ^= (x & 0xaaaaaaaau) >> 1;
     x ^= (x & 0xccccccccu) >> 2;
@@ -37,22 +37,23 @@ static inline uint sobol_second_reversed(uint x)
 }
 
 // The order in which a dimension visits its points: a scrambling of the index that keeps blocks of 2^k together.
-static inline uint shuffled_index(uint index, uint seed)
+static inline LANES shuffled_index(LANES index, LANES seed)
 {
     return reverse_bits(scramble_reversed(reverse_bits(index), seed));
 }
 
-static inline uint sample_1d(const sequence_t *sampler, uint dimension)
+static inline LANES sample_1d(const sequence_t *sampler, LANES dimension)
 {
-    uint seed = hash_combine(sampler->seed, dimension);
-    uint index = shuffled_index(sampler->index, seed);
+    const LANES seed = hash_combine(sampler->seed, dimension);
+    const LANES index = shuffled_index(sampler->index, seed);
     return reverse_bits(scramble_reversed(index, hash_uint(seed ^ 0x5bd1e995u)));
 }
 
-static inline uint2 sample_2d(const sequence_t *sampler, uint dimension)
+static inline pair_t sample_2d(const sequence_t *sampler, LANES dimension)
 {
-    uint seed = hash_combine(sampler->seed, dimension);
-    uint index = shuffled_index(sampler->index, seed);
-    return (uint2)(reverse_bits(scramble_reversed(index, hash_uint(seed ^ 0x5bd1e995u))),
-                   reverse_bits(scramble_reversed(sobol_second_reversed(index), hash_uint(seed ^ 0x27d4eb2fu))));
+    const LANES seed = hash_combine(sampler->seed, dimension);
+    const LANES index = shuffled_index(sampler->index, seed);
+    const pair_t pair = {reverse_bits(scramble_reversed(index, hash_uint(seed ^ 0x5bd1e995u))),
+                         reverse_bits(scramble_reversed(sobol_second_reversed(index), hash_uint(seed ^ 0x27d4eb2fu)))};
+    return pair;
 }

@@ -52,13 +52,14 @@ static inline uint sample_1d(const sequence_t *sampler, uint dimension)
     return jittered(stratum, count, hash_combine(seed, sampler->index));
 }
 
-static inline uint2 sample_2d(const sequence_t *sampler, uint dimension)
+static inline pair_t sample_2d(const sequence_t *sampler, uint dimension)
 {
     uint count = sampler->strata_x * sampler->strata_y;
     uint round = sampler->index / count;
     uint seed = hash_combine(hash_combine(sampler->seed, dimension), round);
     uint stratum = permute(sampler->index % count, count, seed);
     uint jitter = hash_combine(seed, sampler->index);
-    return (uint2)(jittered(stratum % sampler->strata_x, sampler->strata_x, jitter),
-                   jittered(stratum / sampler->strata_x, sampler->strata_y, hash_uint(jitter ^ 0x68bc21ebu)));
+    const pair_t pair = {jittered(stratum % sampler->strata_x, sampler->strata_x, jitter),
+                         jittered(stratum / sampler->strata_x, sampler->strata_y, hash_uint(jitter ^ 0x68bc21ebu))};
+    return pair;
 }

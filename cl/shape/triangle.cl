@@ -4,15 +4,28 @@
 #include "lib/surface.cl"
 #include "shape/triangle_test.cl"
 
+// The unit normal along e1 × e2, and half the length of that, the area.
+static inline float3 triangle_normal(float3 e1, float3 e2, float *area)
+{
+    float3 n = cross(e1, e2);
+    float length2 = dot(n, n), unscale = 1.0f;
+    if (!(length2 > 1e-30f && length2 < 1e30f)) {
+        // Brought to the order of 1 first: the cross product of small edges would underflow.
+        float scale = triangle_unit_scale(fmax(triangle_largest(e1), triangle_largest(e2)));
+        n = cross(e1 * scale, e2 * scale);
+        length2 = dot(n, n);
+        unscale = 1.0f / scale;
+    }
+    float length = sqrt(length2);
+    *area = 0.5f * length * unscale * unscale;
+    return n / length;
+}
+
 // Point with barycentrics b of the vertices v0, v1, v2 and the bound of its error (PBR 4ed, §6.8.5).
-static inline surface_t triangle_point(float3 v0, float3 v1, float3 v2, float3 b)
+static inline surface_t triangle_point(float3 v0, float3 v1, float3 v2, float3 b, float *area)
 {
     float3 p0 = b.x * v0, p1 = b.y * v1, p2 = b.z * v2;
-    float3 e1 = v1 - v0, e2 = v2 - v0;
-    // Brought to the order of 1 first: the cross product of small edges would underflow.
-    float scale = triangle_unit_scale(fmax(triangle_largest(e1), triangle_largest(e2)));
-    float3 normal = normalize(cross(e1 * scale, e2 * scale));
-    return surface_new(p0 + p1 + p2, GAMMA(7) * (fabs(p0) + fabs(p1) + fabs(p2)), normal);
+    return surface_new(p0 + p1 + p2, GAMMA(7) * (fabs(p0) + fabs(p1) + fabs(p2)), triangle_normal(v1 - v0, v2 - v0, area));
 }
 
 #ifdef VERTEX_NORMALS
@@ -80,11 +93,11 @@ static inline void triangle_interpolate(const scene_t *scene, uint index, float3
 }
 #endif
 
-static inline surface_t triangle_at(const scene_t *scene, uint index, float3 b)
+static inline surface_t triangle_at(const scene_t *scene, uint index, float3 b, float *area)
 {
     global const float *v = scene->triangle_vertices + 9 * (size_t)index;
     float3 v0 = load3(v), v1 = load3(v + 3), v2 = load3(v + 6);
-    surface_t s = triangle_point(v0, v1, v2, b);
+    surface_t s = triangle_point(v0, v1, v2, b, area);
 #ifdef TRIANGLE_CORNERS
     triangle_interpolate(scene, index, v0, v1, v2, b, &s);
 #endif
@@ -93,13 +106,8 @@ static inline surface_t triangle_at(const scene_t *scene, uint index, float3 b)
 
 static inline surface_t triangle_surface(const scene_t *scene, uint index, const ray_t *ray, const hit_t *hit)
 {
-    return triangle_at(scene, index, (float3)(1.0f - hit->u - hit->v, hit->u, hit->v));
-}
-
-static inline float triangle_area(const scene_t *scene, uint index)
-{
-    global const float *v = scene->triangle_vertices + 9 * (size_t)index;
-    return 0.5f * length(cross(load3(v + 3) - load3(v), load3(v + 6) - load3(v)));
+    float area;
+    return triangle_at(scene, index, (float3)(1.0f - hit->u - hit->v, hit->u, hit->v), &area);
 }
 
 // Uniform over the area, by a fold that keeps strata compact (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
@@ -108,12 +116,16 @@ static inline light_point_t triangle_sample(const scene_t *scene, uint index, fl
     float b1 = u.x > u.y ? u.x - 0.5f * u.y : 0.5f * u.x;
     float b2 = u.x > u.y ? 0.5f * u.y : u.y - 0.5f * u.x;
     light_point_t point;
-    point.surface = triangle_at(scene, index, (float3)(1.0f - b1 - b2, b1, b2));
-    point.pdf = area_to_solid_angle(1.0f / triangle_area(scene, index), reference, &point.surface);
+    float area;
+    point.surface = triangle_at(scene, index, (float3)(1.0f - b1 - b2, b1, b2), &area);
+    point.pdf = area_to_solid_angle(1.0f / area, reference, &point.surface);
     return point;
 }
 
 static inline float triangle_sample_pdf(const scene_t *scene, uint index, float3 reference, const surface_t *surface)
 {
-    return area_to_solid_angle(1.0f / triangle_area(scene, index), reference, surface);
+    global const float *v = scene->triangle_vertices + 9 * (size_t)index;
+    float area;
+    triangle_normal(load3(v + 3) - load3(v), load3(v + 6) - load3(v), &area);
+    return area_to_solid_angle(1.0f / area, reference, surface);
 }

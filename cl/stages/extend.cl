@@ -11,20 +11,102 @@
 #include "lib/shapes.cl"
 #include "scene/walk.cl"
 
+#ifdef QUEUES_COMPACTED
+#define IDLE (QUEUE_IDLE_0 + (1u - parity))
+#else
+#define IDLE QUEUE_IDLE_0
+#endif
+
+// Has the camera no ray for this path?
+static inline bool is_unborn(const path_t *path, uint slot)
+{
+#ifdef CAMERA_PARTIAL
+    return path_get_depth(path, slot) == 0u && is_black(path_get_throughput(path, slot));
+#else
+    return false;
+#endif
+}
+
+// Stores what the path met; returns the queue of that BSDF.
+static inline uint store_hit(const scene_t *scene, const path_t *path, uint slot, const ray_t *ray, const hit_t *hit)
+{
+    path_set_hit(path, slot, (float3)(hit->t, hit->u, hit->v));
+    path_set_primitive(path, slot, hit->primitive);
+#if SHADE_QUEUES > 1 || defined(MIXES)
+    uint row = scene->primitive_objects[hit->primitive];
+#endif
+#ifdef MIXES
+    sequence_t sampler = sequence_new(scene, path_get_seed(path, slot), path_get_index(path, slot));
+    uint which = sample_1d(&sampler, vertex_dimension(path_get_depth(path, slot), DIMENSION_MIX));
+    row = choose_part(scene, row, ray, hit, unit_float(which));
+    path_set_object(path, slot, row);
+#endif
+#if SHADE_QUEUES > 1
+    return QUEUE_SHADE_0 + scene->objects[row].shade_queue;
+#else
+    return QUEUE_SHADE_0;
+#endif
+}
+
+static inline void count_rays(global uint *counters, uint parity)
+{
+    if (get_global_id(0) == 0) {
+        counters[COUNTER_RAYS] += counters[QUEUE_EXTEND_0 + parity];
+        counters[COUNTER_FIRST_ROUND] = 0u;
+    }
+}
+
+#ifdef INFINITE_LIGHTS
+#define BEYOND QUEUE_ESCAPE
+#else
+#define BEYOND IDLE
+#endif
+
+#ifdef RAY_PACKETS
+
+// The first work-item of sixteen traces the rays of all.
+kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
+{
+    STAGE_BEGIN
+    count_rays(counters, parity);
+    const uint first = (uint)get_global_id(0);
+    if (first % PACKET != 0u)
+        return;
+    packet_t packet;
+    uint rays = 0u;
+    for (uint lane = 0u; lane < PACKET; lane++) {
+        const uint slot = first + lane;
+        packet_set_none(&packet, lane);
+        if (queue_holds(&queues, QUEUE_EXTEND_0, slot) && !is_unborn(&path, slot)) {
+            const ray_t ray = {path_get_origin(&path, slot), path_get_direction(&path, slot), INFINITY};
+            packet_set(&packet, lane, &ray);
+            rays++;
+        }
+    }
+    if (rays > 0u)
+        trace_nearest_packet(&scene, &packet);
+    for (uint lane = 0u; lane < PACKET; lane++) {
+        const uint slot = first + lane;
+        if (!queue_holds(&queues, QUEUE_EXTEND_0, slot))
+            continue;
+        const ray_t ray = packet_ray(&packet, lane);
+        const hit_t hit = packet_hit(&packet, lane);
+        const uint next = is_unborn(&path, slot) ? IDLE : packet.met[lane] ? store_hit(&scene, &path, slot, &ray, &hit) : BEYOND;
+        queue_push(&queues, next, slot, scratch);
+    }
+}
+
+#else
+
 kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
 #ifdef QUEUES_COMPACTED
     uint queue = QUEUE_EXTEND_0 + parity;
-    uint idle = QUEUE_IDLE_0 + (1u - parity);
 #else
     uint queue = QUEUE_EXTEND_0;
-    uint idle = QUEUE_IDLE_0;
 #endif
-    if (get_global_id(0) == 0) {
-        counters[COUNTER_RAYS] += counters[QUEUE_EXTEND_0 + parity];
-        counters[COUNTER_FIRST_ROUND] = 0u;
-    }
+    count_rays(counters, parity);
     if (queue_is_over(&queues, queue))
         return;
     uint slot = queue_take(&queues, queue);
@@ -50,32 +132,12 @@ kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
 #endif
         scene.ray_seed = ray_seed(seed, path_get_index(&path, slot), 2u * path_get_depth(&path, slot));
 #endif
-#ifdef CAMERA_PARTIAL
-        if (path_get_depth(&path, slot) == 0u && is_black(path_get_throughput(&path, slot)))
-            next = idle;
-        else
-#endif
-        if (trace_nearest(&scene, &ray, &hit)) {
-            path_set_hit(&path, slot, (float3)(hit.t, hit.u, hit.v));
-            path_set_primitive(&path, slot, hit.primitive);
+        if (is_unborn(&path, slot))
+            next = IDLE;
+        else if (trace_nearest(&scene, &ray, &hit)) {
+            next = store_hit(&scene, &path, slot, &ray, &hit);
 #ifdef SUBSURFACE
             flight_pass(&path, slot, &flight, hit.t);
-#endif
-#if SHADE_QUEUES > 1 || defined(MIXES)
-            uint row = scene.primitive_objects[hit.primitive];
-#endif
-#ifdef MIXES
-            sequence_t sampler = sequence_new(&scene, path_get_seed(&path, slot), path_get_index(&path, slot));
-            uint which = sample_1d(&sampler, vertex_dimension(path_get_depth(&path, slot), DIMENSION_MIX));
-            row = choose_part(&scene, row, &ray, &hit, unit_float(which));
-            path_set_object(&path, slot, row);
-#endif
-#if SHADE_QUEUES > 1
-            next = QUEUE_SHADE_0 + scene.objects[row].shade_queue;
-#else
-            next = QUEUE_SHADE_0;
-#endif
-#ifdef SUBSURFACE
         } else if (flight.inside && !flight.straight) {
             path_set_hit(&path, slot, (float3)(ray.t_max, 0.0f, 0.0f));
             next = QUEUE_SCATTER;
@@ -84,12 +146,10 @@ kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
 #ifdef SUBSURFACE
             flight_pass(&path, slot, &flight, INFINITY);  // the body has no far side
 #endif
-#ifdef INFINITE_LIGHTS
-            next = QUEUE_ESCAPE;
-#else
-            next = idle;
-#endif
+            next = BEYOND;
         }
     }
     queue_push(&queues, next, slot, scratch);
 }
+
+#endif

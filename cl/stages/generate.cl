@@ -45,7 +45,7 @@ static inline void start_path(const scene_t *scene, const path_t *path, const sa
         sample_set(samples, channel, sample, 0.0f);
     film_sample_t at = film_sample(scene, sample);
     sequence_t sampler = sequence_new(scene, pixel_seed(scene, at), at.index);
-    uint2 u = sample_2d(&sampler, DIMENSION_FILM);
+    pair_t u = sample_2d(&sampler, DIMENSION_FILM);
     float2 offset = (float2)(unit_float(u.x), unit_float(u.y));
     float weight = 1.0f;
 #ifdef FILTER_TABLE
@@ -59,7 +59,7 @@ static inline void start_path(const scene_t *scene, const path_t *path, const sa
                            ((float)at.y + 0.5f + offset.y) / (float)scene->render->height);
     float2 lens = (float2)(0.0f);
 #ifdef CAMERA_LENS
-    uint2 l = sample_2d(&sampler, DIMENSION_LENS);
+    pair_t l = sample_2d(&sampler, DIMENSION_LENS);
     lens = (float2)(unit_float(l.x), unit_float(l.y));
 #endif
     float3 origin, direction;

@@ -29,7 +29,7 @@ static inline bool scatter_slot(const scene_t *scene, const path_t *path, uint s
             return false;
         throughput /= survival;
     }
-    const uint2 u = sample_2d(&sampler, vertex_dimension(depth, DIMENSION_PHASE));
+    const pair_t u = sample_2d(&sampler, vertex_dimension(depth, DIMENSION_PHASE));
     const float3 direction = path_get_direction(path, slot);
     path_set_origin(path, slot, path_get_origin(path, slot) + distance * direction);
     path_set_direction(path, slot, phase_sample(flight.medium.g, direction, (float2)(unit_float(u.x), unit_float(u.y))));

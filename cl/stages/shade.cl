@@ -10,10 +10,10 @@
 #include "lib/offset.cl"
 #include "lib/path.cl"
 #include "lib/queue.cl"
-#include "lib/sampler.cl"
 #include "lib/samples.cl"
 #include "lib/shapes.cl"
 #include "lib/tilt.cl"
+#include "lib/vertex_random.cl"
 #include "scene/bsdf.cl"
 #include "scene/cone.cl"
 
@@ -27,7 +27,7 @@ typedef struct {
     float3 wo;        // local, towards where the path came from
     uint sample;
     uint depth;       // scattering events before this one
-    sequence_t sampler;
+    vertex_random_t random;
 #ifdef VERTEX_NORMALS
     bool smooth;      // the point was moved off its triangle: lift_point
 #endif
@@ -187,8 +187,8 @@ static inline bool cross_surface(const path_t *path, uint slot, const BSDF(t) *b
 // Samples a light and stores the shadow ray that connects to it; false where nothing can come of it.
 static inline bool sample_light(const scene_t *scene, const path_t *path, uint slot, const BSDF(t) *bsdf, const vertex_t *vertex, float3 throughput)
 {
-    uint2 u = sample_2d(&vertex->sampler, vertex_dimension(vertex->depth, DIMENSION_LIGHT));
-    light_sample_t light = light_sample(scene, vertex->surface.p, u);
+    const pair_t u = random_light(&vertex->random);
+    light_sample_t light = light_sample(scene, vertex->surface.p, (uint2)(u.x, u.y));
     if (!(light.pdf > 0.0f) || is_black(light.radiance))
         return false;
     float3 to_light = light.infinite ? light.target : normalize(light.target - vertex->surface.p);
@@ -218,8 +218,8 @@ static inline bool sample_light(const scene_t *scene, const path_t *path, uint s
 // Samples the BSDF and stores the path's next ray; false where the path ends.
 static inline bool sample_bsdf(const scene_t *scene, const path_t *path, uint slot, const BSDF(t) *bsdf, const vertex_t *vertex, float3 throughput)
 {
-    uint lobe = sample_1d(&vertex->sampler, vertex_dimension(vertex->depth, DIMENSION_LOBE));
-    uint2 u = sample_2d(&vertex->sampler, vertex_dimension(vertex->depth, DIMENSION_BSDF));
+    const uint lobe = random_lobe(&vertex->random);
+    const pair_t u = random_bsdf(&vertex->random);
     bsdf_sample_t s = BSDF(sample)(bsdf, vertex->wo, (float3)(unit_float(lobe), unit_float(u.x), unit_float(u.y)));
     throughput *= s.weight;
     float3 direction = frame_to_world(&vertex->frame, s.wi);
@@ -233,7 +233,7 @@ static inline bool sample_bsdf(const scene_t *scene, const path_t *path, uint sl
 #endif
     if (vertex->depth + 1u >= scene->render->russian_roulette_depth) {
         float survival = fmin(1.0f, scale * max_component(fabs(throughput)));
-        if (unit_float(sample_1d(&vertex->sampler, vertex_dimension(vertex->depth, DIMENSION_ROULETTE))) >= survival)
+        if (unit_float(random_roulette(&vertex->random)) >= survival)
             return false;
         throughput /= survival;
     }
@@ -272,7 +272,8 @@ static inline void pass_boundary(const path_t *path, uint slot, const vertex_t *
 #endif
 
 // Shades `slot`; says whether it wants connect, and whether the path goes on.
-static inline void shade_slot(const scene_t *scene, const path_t *path, const samples_t *samples, uint slot, bool *connects, bool *goes_on)
+static inline void shade_slot(const scene_t *scene, const path_t *path, const samples_t *samples, uint slot, const vertex_random_t *random,
+                              bool *connects, bool *goes_on)
 {
     *connects = false;
     *goes_on = false;
@@ -295,6 +296,7 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
     vertex.surface.footprint = cone_footprint(cone_width, dot(vertex.surface.ng, ray.d));
 #endif
     vertex.depth = path_get_depth(path, slot);
+    vertex.random = *random;
     vertex.sample = path_get_sample(path, slot);
     uint object_index = scene->primitive_objects[hit.primitive];
 #ifdef MIXES
@@ -346,7 +348,6 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
 #ifdef VERTEX_NORMALS
     lift_point(object, &vertex);
 #endif
-    vertex.sampler = sequence_new(scene, path_get_seed(path, slot), path_get_index(path, slot));
 #ifdef NEXT_EVENT_ESTIMATION
     *connects = sample_light(scene, path, slot, &bsdf, &vertex, throughput);
 #endif
@@ -358,6 +359,39 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
     path_set_depth(path, slot, vertex.depth + 1u);
 }
 
+#ifdef NEXT_EVENT_ESTIMATION
+#define PUSH(next, connects, slot) queue_push_with_connect(&queues, next, connects, slot, scratch)
+#else
+#define PUSH(next, connects, slot) queue_push(&queues, next, slot, scratch)
+#endif
+
+#ifdef VERTEX_LANES
+
+// The first work-item of sixteen shades the slots of all.
+kernel WORK_GROUP UNVECTORIZED void shade(STAGE_PARAMETERS)
+{
+    STAGE_BEGIN
+    const uint first = (uint)get_global_id(0);
+    uint waiting = 0u;
+    for (uint lane = 0u; first % RANDOM_LANES == 0u && lane < RANDOM_LANES; lane++)
+        waiting += queue_holds(&queues, QUEUE_SHADE, first + lane) ? 1u : 0u;
+    if (waiting == 0u)
+        return;
+    random_lanes_t light_x, light_y, lobe, bsdf_x, bsdf_y, roulette;
+    const vertex_numbers_t numbers = {&light_x, &light_y, &lobe, &bsdf_x, &bsdf_y, &roulette};
+    vertex_numbers_draw(&scene, &path, first, &numbers);
+    for (uint lane = 0u; lane < RANDOM_LANES; lane++) {
+        if (!queue_holds(&queues, QUEUE_SHADE, first + lane))
+            continue;
+        const vertex_random_t random = {numbers, lane};
+        bool connects, goes_on;
+        shade_slot(&scene, &path, &samples, first + lane, &random, &connects, &goes_on);
+        PUSH(goes_on ? QUEUE_EXTEND_0 : QUEUE_IDLE_0, connects, first + lane);
+    }
+}
+
+#else
+
 kernel WORK_GROUP UNVECTORIZED void shade(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
@@ -367,15 +401,14 @@ kernel WORK_GROUP UNVECTORIZED void shade(STAGE_PARAMETERS)
     bool connects = false, goes_on = false;
     uint next = NO_QUEUE;
     if (slot != NO_SLOT) {
-        shade_slot(&scene, &path, &samples, slot, &connects, &goes_on);
+        const vertex_random_t random = {sequence_new(&scene, path_get_seed(&path, slot), path_get_index(&path, slot)), path_get_depth(&path, slot)};
+        shade_slot(&scene, &path, &samples, slot, &random, &connects, &goes_on);
         next = goes_on ? QUEUE_EXTEND_0 : QUEUE_IDLE_0;
 #ifdef QUEUES_COMPACTED
         next += 1u - parity;
 #endif
     }
-#ifdef NEXT_EVENT_ESTIMATION
-    queue_push_with_connect(&queues, next, connects, slot, scratch);
-#else
-    queue_push(&queues, next, slot, scratch);
-#endif
+    PUSH(next, connects, slot);
 }
+
+#endif

@@ -12,6 +12,14 @@ FLAT_UP_TO = 8
 """As many primitives are faster tested one after the other than through a tree of two or three nodes."""
 
 
+PACKETS_UP_TO = 64
+"""As many triangles are faster tested one after the other by sixteen rays at once than through a tree by one ray (docs/performance.md)."""
+
+
+PACKET_LAYOUTS = ("flat16",)
+"""Layouts that sixteen rays traverse at once (cl/accel/packet.cl)."""
+
+
 class Accelerator(Protocol):
     """A builder and a layout. ``cl/accel/{name}.cl`` traverses what ``encode`` makes."""
 
@@ -33,3 +41,10 @@ def choose(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelera
     if not bounded or n_primitives <= FLAT_UP_TO:
         return Flat()
     return Bvh8() if wide and shape == "triangle" else Bvh2()
+
+
+def choose_for_packets(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelerator:
+    """As ``choose``, where sixteen rays may be traced together."""
+    from lumiere.accel.flat16 import Flat16
+
+    return Flat16() if wide and shape == "triangle" and n_primitives <= PACKETS_UP_TO else choose(shape, n_primitives, bounded, wide)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from lumiere.accel import PACKET_LAYOUTS
+
 AOV_CHANNELS = {"albedo": 3, "normal": 3, "position": 3, "depth": 1, "uv": 2, "direct": 3, "indirect": 3, "emission": 3,
                 "material_id": 1, "object_id": 1}
 """Channels of the AOVs that the device writes. Those of ids come last: they are not averaged."""
@@ -65,6 +67,11 @@ class Features:
     aovs: tuple[str, ...] = ()
     specular_bsdfs: tuple[str, ...] = field(default=())
     """BSDF kinds that have Dirac lobes only, and so no light sampling."""
+
+    @property
+    def ray_packets(self) -> bool:
+        """Sixteen neighbouring slots' rays are traced together."""
+        return any(layout in PACKET_LAYOUTS for layout in self.shapes.values())
 
     def channels(self) -> dict[str, int]:
         """First channel of each output in the sample buffer; radiance is the first."""

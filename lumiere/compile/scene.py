@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from lumiere.accel import Accelerator, choose
+from lumiere.accel import Accelerator, choose, choose_for_packets
 from lumiere.bsdf import Body, Material
 from lumiere.bsdf.lambert import Lambert
 from lumiere.bsdf.mix import Mix
@@ -65,10 +65,10 @@ class SceneBuffers:
         return "\n".join(c_struct(name, dtype) for name, dtype in self.structs.items())
 
 
-def compile_scene(scene: Scene, *, wide: bool = True,
+def compile_scene(scene: Scene, *, wide: bool = True, packets: bool = False,
                   choose_accelerator: Callable[[str, int, bool, bool], Accelerator] = choose) -> SceneBuffers:
-    """Compiles a validated scene, for a device with wide vectors (CPUs) or without. Raises SceneError where a file that it names is not what it
-    should be.
+    """Compiles a validated scene, for a device with wide vectors (CPUs) or without; ``packets``: its queues let sixteen neighbours be traced
+    together. Raises SceneError where a file that the scene names is not what it should be.
     """
     objects, lights = lower(scene)
     # The layer `position` is in the file's coordinates, so with it the scene stays where it is.
@@ -93,6 +93,8 @@ def compile_scene(scene: Scene, *, wide: bool = True,
     has_normals = any(o.primitives.normals is not None for o in objects)
     keep = (("normals",) if has_normals else ()) + (("uvs",) if uses_uv else ()) + (("colors",) if "color" in textures.uses else ())
     begin = time.perf_counter()
+    if packets and choose_accelerator is choose and not _tells_rays_apart(objects, rows):
+        choose_accelerator = choose_for_packets
     groups, vertices = group_shapes(objects, keep, wide, choose_accelerator)
     accelerator_seconds = time.perf_counter() - begin
     center, radius = scene_bounds(groups)
@@ -160,6 +162,12 @@ def lower(scene: Scene) -> tuple[list[Object], list[Light]]:
                 emission = None
             objects.append(Object(shape, primitives, material, emission, sides == "both"))
     return objects, [EnvironmentLight()] if occlusion is not None else lights
+
+
+def _tells_rays_apart(objects: list[Object], rows: list[Row]) -> bool:
+    """Does what a ray meets depend on more than the ray: its path's random numbers, its kind, the body that it is in?"""
+    return (any(_translucent(o.material) or not (o.shape.visible.camera and o.shape.visible.shadow) for o in objects)
+            or any("WALKS" in row.material.device_features for row in rows if not row.mixed))
 
 
 def scene_bounds(groups: list[ShapeGroup]) -> tuple[np.ndarray, float]:

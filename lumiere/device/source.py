@@ -45,6 +45,17 @@ def template(path: str) -> str:
     return f"{includes}\n{_INCLUDE.sub('', text)}"
 
 
+_LANES_NAME = re.compile(r"^(?:static inline \w+ (\w+)\(|\} (\w+);$)", re.MULTILINE)
+
+
+def in_lanes(*paths: str) -> str:
+    """The texts of ``cl/PATH`` for sixteen paths at once (cl/lib/lanes.cl): LANES is uint16, and each function and type has a name that ends in _lanes."""
+    text = "\n".join(_INCLUDE.sub("", _text(cl_root() / path)) for path in paths)
+    names = sorted({next(filter(None, match.groups())) for match in _LANES_NAME.finditer(text)})
+    return ("#undef LANES\n#define LANES uint16\n" + "".join(f"#define {name} {name}_lanes\n" for name in names) + text
+            + "".join(f"#undef {name}\n" for name in names) + "#undef LANES\n#define LANES uint\n")
+
+
 def c_struct(name: str, dtype: np.dtype) -> str:
     """The C declaration of ``dtype`` as the type ``name``. Fields are 4-byte scalars and arrays of them: the layout is the same everywhere."""
     lines = []

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from lumiere.accel import PACKET_LAYOUTS
 from lumiere.compile.features import FIRST_HIT_AOVS, ID_AOVS, Features
 from lumiere.compile.materials import NO_TEXTURE, bsdf_source
 from lumiere.compile.scene import TRANSLUCENT, TWO_SIDED, VISIBLE_TO_CAMERA, VISIBLE_TO_SHADOW, SceneBuffers
 from lumiere.device.program import ProgramSource
-from lumiere.device.source import assemble, c_struct, template
+from lumiere.device.source import assemble, c_struct, in_lanes, template
 from lumiere.filter import TABLE_SIZE
 from lumiere.wavefront.batch import BATCH
 from lumiere.wavefront.policy import Policy
 from lumiere.wavefront.state import path_source
 
 NON_FINITE_KEPT = 64
+
+SAMPLERS_IN_LANES = ("independent", "sobol")
+"""Samplers without branches, whose numbers are drawn for sixteen paths at once where the device has wide vectors."""
 
 CHUNK = 32
 """Work-items that find their places among each other before their chunks do."""
@@ -50,6 +54,7 @@ def _defines(features: Features, policy: Policy) -> str:
         "VERTEX_NORMALS": features.vertex_normals,
         "VERTEX_UVS": features.vertex_uvs, "VERTEX_COLORS": features.vertex_colors, "SURFACE_UV": features.surface_uv,
         "SURFACE_TANGENT": features.surface_tangent, "SURFACE_COLOR": features.surface_color,
+        "VERTEX_LANES": features.sampler in SAMPLERS_IN_LANES and not policy.compacted, "RAY_PACKETS": features.ray_packets,
         "INFINITE_LIGHTS": bool(features.infinite_lights), "SAMPLER_STRATA": features.sampler == "stratified",
         "QUEUES_COMPACTED": policy.compacted, "GROUPS_LEAVE": policy.groups_leave, f"LIGHT_SAMPLING_{features.light_sampling.upper()}": True,
         "FIRST_HIT_AOVS": any(name in FIRST_HIT_AOVS for name in features.aovs),
@@ -111,9 +116,10 @@ def _shapes(features: Features) -> str:
     text = [_for_each("SHAPE", list(features.shapes))]
     counts = template("accel/counts.cl") if features.visibility or features.opacity else ""
     for name, layout in features.shapes.items():
+        each = template("accel/each.cl") if features.ray_packets and layout not in PACKET_LAYOUTS else ""
         text.append(f'#include "shape/{name}.cl"\n')
         text.append(f"#define SHAPE {name}\n#define SHAPE_FIRST scene->render->{name}_first\n#define SHAPE_COUNT scene->render->{name}_count\n"
-                    f"#define SHAPE_BUFFER(key) scene->{name}_##key\n{counts}{template(f'accel/{layout}.cl')}"
+                    f"#define SHAPE_BUFFER(key) scene->{name}_##key\n{counts}{template(f'accel/{layout}.cl')}{each}"
                     "#undef SHAPE\n#undef SHAPE_FIRST\n#undef SHAPE_COUNT\n#undef SHAPE_BUFFER\n")
     return "".join(text)
 
@@ -138,6 +144,7 @@ def generated_sources(buffers: SceneBuffers, policy: Policy) -> dict[str, str]:
         + _for_each("TEXTURE", features.textures, numbered=True),
         "scene/cone.cl": '#include "lib/cone.cl"\n' if features.ray_cones else "",
         "scene/camera.cl": f'#include "camera/{features.camera}.cl"\n',
+        "scene/sampler_lanes.cl": in_lanes("lib/sequence.cl", "lib/hash.cl", f"sampler/{features.sampler}.cl"),
         "scene/sampler.cl": f'#include "sampler/{features.sampler}.cl"\n',
     }
 

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pyopencl as cl
 
-from lumiere.accel import Accelerator
+from lumiere.accel import PACKET_LAYOUTS, Accelerator
 from lumiere.accel.build import Topology
 from lumiere.accel.bvh2 import Bvh2
 from lumiere.accel.bvh8 import Bvh8
@@ -59,6 +59,42 @@ kernel void trace(%s
 }
 """
 
+PACKET_KERNEL = """
+__attribute__((vec_type_hint(float8)))
+kernel void trace(%s
+                  const uint count, const uint first,
+                  global const float *rays, const uint ray_count, const int any_hit, global float *hits, global uint *primitives)
+{
+    uint i = get_global_id(0);
+    if (i %% PACKET != 0u || i >= ray_count)
+        return;
+    scene_t scene_here = {%s count, first};
+    const scene_t *scene = &scene_here;
+    packet_t packet;
+    for (uint lane = 0u; lane < PACKET; lane++) {
+        packet_set_none(&packet, lane);
+        if (i + lane < ray_count) {
+            global const float *at = rays + 7 * (size_t)(i + lane);
+            const ray_t ray = {vload3(0, at), vload3(0, at + 3), at[6]};
+            packet_set(&packet, lane, &ray);
+        }
+        packet.u.lane[lane] = packet.v.lane[lane] = 0.0f;
+    }
+    if (any_hit)
+        triangle_occluded_packet(scene, &packet);
+    else
+        triangle_nearest_packet(scene, &packet);
+    for (uint lane = 0u; lane < PACKET && i + lane < ray_count; lane++) {
+        size_t at = i + lane;
+        const hit_t hit = packet_hit(&packet, lane);
+        hits[3 * at] = packet.met[lane] ? hit.t : rays[7 * at + 6];
+        hits[3 * at + 1] = hit.u;
+        hits[3 * at + 2] = hit.v;
+        primitives[at] = any_hit ? packet.met[lane] : packet.met[lane] ? hit.primitive : 0xffffffffu;
+    }
+}
+"""
+
 NONE = 0xFFFFFFFF
 
 
@@ -71,7 +107,8 @@ def scene_struct(arrays: dict[str, str]) -> str:
 @cache
 def _program(device: cl.Device, layout: str, arrays: tuple[tuple[str, str], ...], defines: str) -> tuple[cl.Context, cl.CommandQueue, cl.Kernel]:
     context = cl.Context([device])
-    kernel = KERNEL % ("".join(f"global const {c_type} *{name}, " for name, c_type in arrays), "".join(f"{name}, " for name, _ in arrays))
+    kernel = PACKET_KERNEL if layout in PACKET_LAYOUTS else KERNEL
+    kernel %= ("".join(f"global const {c_type} *{name}, " for name, c_type in arrays), "".join(f"{name}, " for name, _ in arrays))
     text = assemble("trace.cl", defines, {"trace.cl": scene_struct(dict(arrays)) + SHAPE + template(f"accel/{layout}.cl") + kernel})
     return context, cl.CommandQueue(context), cl.Kernel(cl.Program(context, text).build(), "trace")
 

@@ -28,7 +28,7 @@ KERNEL = """
     sequence.strata_x = scene.render->strata_x;
     sequence.strata_y = scene.render->strata_y;
 #endif
-    uint2 pair = sample_2d(&sequence, in_uints[first + 3u]);
+    pair_t pair = sample_2d(&sequence, in_uints[first + 3u]);
     out_uints[3u * item] = sample_1d(&sequence, in_uints[first + 3u]);
     out_uints[3u * item + 1u] = pair.x;
     out_uints[3u * item + 2u] = pair.y;

@@ -1,0 +1,29 @@
+// Packets for a layout that traces one ray at a time: ray after ray.
+
+#include "accel/packet.cl"
+#include "accel/template.cl"
+
+static inline void SHAPE_FUNCTION(nearest_packet)(const scene_t *scene, packet_t *packet)
+{
+    for (uint lane = 0u; lane < PACKET; lane++) {
+        const ray_t ray = packet_ray(packet, lane);
+        hit_t hit;
+        hit.t = packet->t.lane[lane];
+        if (ray.t_max > 0.0f && SHAPE_FUNCTION(nearest)(scene, &ray, &hit)) {
+            packet->t.lane[lane] = hit.t;
+            packet->u.lane[lane] = hit.u;
+            packet->v.lane[lane] = hit.v;
+            packet->primitive[lane] = hit.primitive;
+            packet->met[lane] = 1u;
+        }
+    }
+}
+
+static inline void SHAPE_FUNCTION(occluded_packet)(const scene_t *scene, packet_t *packet)
+{
+    for (uint lane = 0u; lane < PACKET; lane++) {
+        const ray_t ray = packet_ray(packet, lane);
+        if (ray.t_max > 0.0f && !packet->met[lane])
+            packet->met[lane] = SHAPE_FUNCTION(occluded)(scene, &ray);
+    }
+}

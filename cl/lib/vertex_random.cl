@@ -1,0 +1,98 @@
+// The random numbers of a path's vertex: drawn where they are wanted, or (CPUs, VERTEX_LANES) those of sixteen neighbouring slots beforehand, in vectors.
+
+#include "lib/path.cl"
+#include "lib/sampler.cl"
+
+#ifdef VERTEX_LANES
+#include "scene/sampler_lanes.cl"
+
+#define RANDOM_LANES 16u
+
+typedef union {
+    uint16 all;
+    uint lane[16];
+} random_lanes_t;
+
+// Each in a variable of its own, so that a kind of BSDF that has no use for one doesn't draw it.
+typedef struct {
+    random_lanes_t *light_x, *light_y, *lobe, *bsdf_x, *bsdf_y, *roulette;
+} vertex_numbers_t;
+
+// A vertex's numbers: a lane of those of its neighbours.
+typedef struct {
+    vertex_numbers_t numbers;
+    uint lane;
+} vertex_random_t;
+
+static inline void vertex_numbers_draw(const scene_t *scene, const path_t *path, uint first, const vertex_numbers_t *numbers)
+{
+    random_lanes_t seed, index, depth;
+    uint deepest = 0u;
+    for (uint lane = 0u; lane < RANDOM_LANES; lane++) {
+        seed.lane[lane] = path_get_seed(path, first + lane);
+        index.lane[lane] = path_get_index(path, first + lane);
+        depth.lane[lane] = path_get_depth(path, first + lane);
+        deepest = max(deepest, depth.lane[lane]);
+    }
+    const sequence_t_lanes sampler = {seed.all, index.all};
+    const uint16 dimension = DIMENSION_VERTEX + depth.all * DIMENSIONS_A_VERTEX;
+    const pair_t_lanes light = sample_2d_lanes(&sampler, dimension + DIMENSION_LIGHT), bsdf = sample_2d_lanes(&sampler, dimension + DIMENSION_BSDF);
+    numbers->light_x->all = light.x;
+    numbers->light_y->all = light.y;
+    numbers->lobe->all = sample_1d_lanes(&sampler, dimension + DIMENSION_LOBE);
+    numbers->bsdf_x->all = bsdf.x;
+    numbers->bsdf_y->all = bsdf.y;
+    if (deepest + 1u >= scene->render->russian_roulette_depth)
+        numbers->roulette->all = sample_1d_lanes(&sampler, dimension + DIMENSION_ROULETTE);
+}
+
+static inline pair_t random_light(const vertex_random_t *random)
+{
+    const pair_t pair = {random->numbers.light_x->lane[random->lane], random->numbers.light_y->lane[random->lane]};
+    return pair;
+}
+
+static inline uint random_lobe(const vertex_random_t *random)
+{
+    return random->numbers.lobe->lane[random->lane];
+}
+
+static inline pair_t random_bsdf(const vertex_random_t *random)
+{
+    const pair_t pair = {random->numbers.bsdf_x->lane[random->lane], random->numbers.bsdf_y->lane[random->lane]};
+    return pair;
+}
+
+static inline uint random_roulette(const vertex_random_t *random)
+{
+    return random->numbers.roulette->lane[random->lane];
+}
+
+#else
+
+typedef struct {
+    sequence_t sampler;
+    uint depth;
+} vertex_random_t;
+
+static inline pair_t random_light(const vertex_random_t *random)
+{
+    return sample_2d(&random->sampler, vertex_dimension(random->depth, DIMENSION_LIGHT));
+}
+
+static inline uint random_lobe(const vertex_random_t *random)
+{
+    return sample_1d(&random->sampler, vertex_dimension(random->depth, DIMENSION_LOBE));
+}
+
+static inline pair_t random_bsdf(const vertex_random_t *random)
+{
+    return sample_2d(&random->sampler, vertex_dimension(random->depth, DIMENSION_BSDF));
+}
+
+static inline uint random_roulette(const vertex_random_t *random)
+{
+    return sample_1d(&random->sampler, vertex_dimension(random->depth, DIMENSION_ROULETTE));
+}
+
+#endif

@@ -1,0 +1,46 @@
+"""A plain list of triangles that sixteen rays meet at once, for a handful of triangles on devices with wide vectors."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from lumiere.accel.build import Topology, single_leaf
+
+ROUNDING = 2.0**-24
+"""Half the distance from 1 to the next float32."""
+
+
+class Flat16:
+    """80 bytes a triangle.
+
+    ``planes``: (n, 20) float32: vertex 0; the edges e1 and e2 from it to vertices 1 and 2, and their cross product n, all times a power of two that
+    brings n to the order of 1; the bound of the rounding of a height over the plane, relative to |v0 − o| (x, y, z) for the origin o; that of the ray's
+    edge functions, E relative to |v0 − o|₁ and T, where the direction's coordinates are at most 1. Then nothing.
+    """
+
+    name: ClassVar[str] = "flat16"
+
+    def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
+        """One leaf, the triangles in their own order."""
+        return single_leaf(lower, upper)
+
+    def encode(self, topology: Topology, records: np.ndarray) -> dict[str, np.ndarray]:
+        """The array above, for triangle ``records``."""
+        v0, v1, v2 = np.moveaxis(records["vertices"].astype(np.float32), 1, 0)
+        planes = np.zeros((len(records), 20), np.float32)
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is left to the test of single rays
+            e1, e2 = v1 - v0, v2 - v0
+            (x1, y1, z1), (x2, y2, z2) = e1.T, e2.T
+            normal = np.stack([y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2], axis=1)
+            products = np.abs([y1 * z2, z1 * y2, z1 * x2, x1 * z2, x1 * y2, y1 * x2])
+            terms = (products[0::2] + products[1::2]).T
+            edge = np.maximum(np.abs(e1).sum(axis=1), np.abs(e2).sum(axis=1))[:, None]
+            _, exponent = np.frexp(np.abs(normal).max(axis=1, keepdims=True))
+            # Some twenty roundings of u, of v and of what they leave of the determinant; and as many of the test of single rays.
+            scaled = np.ldexp(np.concatenate([e1, e2, normal, 8.0 * ROUNDING * terms, 64.0 * ROUNDING * edge,
+                                              64.0 * ROUNDING * terms.sum(axis=1, keepdims=True)], axis=1), -exponent)
+            planes[:, :3], planes[:, 3:17] = v0, scaled
+            planes[:, 16] += 1e-36  # products may underflow, too
+        return {"planes": planes}
