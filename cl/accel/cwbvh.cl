@@ -34,12 +34,14 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
             global const uint4 *node = nodes + 5u * (size_t)(group.x + popcount(group.y & ((1u << slot) - 1u)));
             if (group.y >= CWBVH_FIRST_INNER)
                 stack[size++] = group;
+            VISIT_NODE(scene);
             uint4 head = node[0], children = node[1];
             uint bits = cwbvh_test(&wide, node, head, children, hit->t);
             group = (uint2)(children.x, (bits & 0xff000000u) | head.w >> 24);
             met = bits & 0x00ffffffu;
             first = children.y;
         }
+        VISIT_PRIMITIVES(scene, popcount(met));
         for (; met != 0u; met &= met - 1u) {
             uint index = first + 31u - clz(met & (0u - met));
             hit_t candidate;

@@ -2,6 +2,7 @@
 //
 // From: shade. To: nothing; the sample buffer.
 
+#include "accel/visits.cl"
 #include "lib/path.cl"
 #include "lib/queue.cl"
 #include "lib/sampler.cl"
@@ -24,6 +25,8 @@ kernel WORK_GROUP UNVECTORIZED void connect(STAGE_PARAMETERS)
 #ifdef OPACITY
     scene.ray_seed = ray_seed(path_get_seed(&path, slot), path_get_index(&path, slot), 2u * path_get_depth(&path, slot) + 1u);
 #endif
-    if (!trace_occluded(&scene, &ray))
+    bool occluded = trace_occluded(&scene, &ray);
+    RECORD_VISITS(slot, 1u);
+    if (!occluded)
         sample_add_radiance(&scene, &samples, path_get_sample(&path, slot), path_get_depth(&path, slot), path_get_contribution(&path, slot));
 }

@@ -3,6 +3,7 @@
 // From: generate (new paths), shade and scatter (paths that go on).
 // To:   shade, by the kind of BSDF that was met; scatter, where a walk in a body met none; escape, where there is something beyond the scene; else the slot is idle.
 
+#include "accel/visits.cl"
 #include "lib/math.cl"
 #include "lib/mix.cl"
 #include "lib/path.cl"
@@ -90,6 +91,7 @@ kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
             next = idle;
 #endif
         }
+        RECORD_VISITS(slot, 0u);
     }
     queue_push(&queues, next, slot, scratch);
 }

@@ -7,8 +7,9 @@ from typing import Any
 
 from lumiere.profile.bins import bins
 from lumiere.profile.measure import Profile
-from lumiere.profile.plot import colors, lanes, population, shares, whole
-from lumiere.profile.report import COLUMNS, headline, number, stage_cells
+from lumiere.profile.plot import bounces, colors, lanes, population, shares, whole
+from lumiere.profile.report import BOUNCE_COLUMNS, COLUMNS, PROGRAM_COLUMNS, bounce_cells, headline, number, percent, program_cells, stage_cells
+from lumiere.profile.summary import BOUNCES
 
 ROUNDS_CLOSE = 16
 """Rounds of the timeline that shows each launch."""
@@ -36,6 +37,10 @@ def _section(title: str, how: str, *body: str) -> str:
     return f'<h2>{escape(title)}</h2><p class="how">{escape(how)}</p>{"".join(body)}'
 
 
+def _share_of(part: int, whole: int) -> str:
+    return percent(part / whole) if part else "–"
+
+
 def page(profile: Profile, told: dict[str, Any]) -> str:
     """The HTML text of a profile and its summary."""
     stages = [row["stage"] for row in told["stages"]]
@@ -58,7 +63,16 @@ def page(profile: Profile, told: dict[str, Any]) -> str:
         _section("Timeline of the whole render", "Left to right, in slices of equal time: the colours say which stages the device worked on in a "
                  "slice, white that it idled.", f"<p>{legend}</p>", whole(launches, stages)),
         _section(f"Timeline of the first {len({launch.round for launch in close})} rounds", "Each bar is one launch; point at it for its round, "
-                 "time and items. Empty space between bars that follow each other is idle time.", lanes(close, rounds, profile.items)),
+                 "time and items. Empty space between bars that follow each other is idle time.", lanes(close, rounds, profile.counts)),
+        _section("Bounces", f"Above: how many rays (light) and shadow rays (dark) are traced at each bounce. Below: the time that the bounce took, by "
+                 f"stage, in the colours of the timelines. {BOUNCES}", bounces(told["bounces"], rounds)),
+        _table(list(BOUNCE_COLUMNS), [list(map(escape, bounce_cells(row))) for row in told["bounces"]]),
+        _section("Where paths go", "Of what waits for a stage, the share that it hands on to each other stage; the rest of it ends there. A path that is "
+                 "shaded may both go on (extend) and send a shadow ray (connect).", _table(
+                     ["from", *(f"to {stage}" for stage in rounds if stage != "generate")],
+                     [[dots[row["stage"]] + escape(row["stage"]),
+                       *(_share_of(row["out"].get(stage, 0), row["items"]) for stage in rounds if stage != "generate")]
+                      for row in told["stages"] if row["stage"] in rounds])),
         _section("Population by round", "How many paths are alive in each round, dark the ones that were started in it. Where few are alive a "
                  "large device starves: those rounds cost launches and give little. A dashed line begins a batch; a bar may stand for several "
                  "rounds (means).",
@@ -68,9 +82,9 @@ def page(profile: Profile, told: dict[str, Any]) -> str:
             [[part.label, str(part.batch), f"{part.paths:,.0f}", *(f"{part.items[s]:,.0f}" for s in rounds),
               *(number(1e3 * part.seconds[s]) for s in rounds)] for part in listed])),
         _section("Programs", "A program is one kernel of one stage, built for what this scene has.", _table(
-            ["stage", "seconds", "why it was built", "state read, bytes/item", "state written, bytes/item"],
-            [[dots[row["stage"]] + escape(row["stage"]), number(row["program_seconds"]), escape(row["program_reason"]),
-              str(row["state_read_per_item"]), str(row["state_written_per_item"])] for row in told["stages"]])),
+            [*PROGRAM_COLUMNS, "state read, bytes/item", "state written, bytes/item"],
+            [[dots[row["stage"]] + escape(cells[0]), *map(escape, cells[1:]), str(row["state_read_per_item"]), str(row["state_written_per_item"])]
+             for row in told["stages"] for cells in [program_cells(row)]])),
     ]
     return (f'<!doctype html><html lang="en"><meta charset="utf-8"><title>Profile of {escape(told["scene"] or "a scene")}</title>'
             f"<style>{STYLE}</style><body>{''.join(body)}</body></html>\n")
