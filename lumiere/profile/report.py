@@ -12,9 +12,11 @@ from lumiere.profile.measure import Profile
 from lumiere.profile.observe import Count
 from lumiere.profile.summary import BOUNCES, FORMAT
 
-COLUMNS = ("stage", "ms", "share", "launches", "items", "out", "occupancy", "ns/item", "Mrays/s", "nodes/ray", "prims/ray", "tree GB/s", "moved MB",
-           "GB/s", "of copy", "idle before ms")
+COLUMNS = ("stage", "ms", "share", "launches", "idle before ms", "items", "out", "occupancy", "ns/item")
 """Of the table of stages."""
+
+MOVED_COLUMNS = ("stage", "Mrays/s", "nodes/ray", "prims/ray", "tree GB/s", "moved MB", "GB/s", "of copy")
+"""Of the table of what stages trace and move."""
 
 PROGRAM_COLUMNS = ("program", "compile s", "registers", "private", "local", "group", "had in s", "why it was built")
 """Of the table of programs."""
@@ -44,13 +46,17 @@ def percent(value: float) -> str:
 
 def stage_cells(row: dict[str, Any]) -> list[str]:
     """A stage's row of the table, in the order of COLUMNS."""
-    rays = row["rays_per_second"]
-    return [row["stage"], number(1e3 * row["seconds"]), percent(row["share"]), number(row["launches"]), f"{row['items']:,}",
-            f"{sum(row['out'].values()):,}" if row["out"] else "–", "–" if row["occupancy"] is None else percent(row["occupancy"]),
-            number(1e9 * row["seconds"] / row["items"] if row["items"] else None), _millions(rays),
-            number(row["nodes_per_ray"]), number(row["primitives_per_ray"]),
-            number(None if row["tree_bytes_per_second"] is None else row["tree_bytes_per_second"] / 1e9),
-            number(row["bytes"] / 1e6), number(row["bytes_per_second"] / 1e9), percent(row["share_of_copy"]), number(1e3 * row["idle_before"])]
+    return [row["stage"], number(1e3 * row["seconds"]), percent(row["share"]), number(row["launches"]), number(1e3 * row["idle_before"]),
+            f"{row['items']:,}", f"{sum(row['out'].values()):,}" if row["out"] else "–", "–" if row["occupancy"] is None else percent(row["occupancy"]),
+            number(1e9 * row["seconds"] / row["items"] if row["items"] else None)]
+
+
+def moved_cells(row: dict[str, Any]) -> list[str]:
+    """A stage's row of the table of what it traces and moves, in the order of MOVED_COLUMNS."""
+    tree = row["tree_bytes_per_second"]
+    return [row["stage"], _millions(row["rays_per_second"]), number(row["nodes_per_ray"]), number(row["primitives_per_ray"]),
+            number(None if tree is None else tree / 1e9), number(row["bytes"] / 1e6), number(row["bytes_per_second"] / 1e9),
+            percent(row["share_of_copy"])]
 
 
 def _millions(rate: float | None) -> str:
@@ -79,8 +85,9 @@ def headline(told: dict[str, Any]) -> list[str]:
     return [
         f"{told['scene'] or 'scene'}: {told['width']} × {told['height']}, {told['spp']} spp on {told['device']} ({told['driver']})",
         f"accelerators: {_layouts(told)}",
-        f"{told['samples_per_second'] / 1e6:.3g} Msamples/s without events; {told['queues']} queues, {told['paths_in_flight']:,} paths in flight of "
-        f"{told['bytes_per_path']} bytes, work-groups of {told['work_group']}; a copy moves {told['copy_bandwidth'] / 1e9:.3g} GB/s",
+        f"{told['samples_per_second'] / 1e6:.3g} million samples a second, measured without events; {told['queues']} queues, "
+        f"{told['paths_in_flight']:,} paths in flight of {told['bytes_per_path']} bytes, work-groups of {told['work_group']}; "
+        f"a copy moves {told['copy_bandwidth'] / 1e9:.3g} GB/s",
         f"{1e3 * wall:.4g} ms of wall time: kernels {percent(seconds['kernels'] / wall)}, device idle between kernels "
         f"{percent(seconds['idle'] / wall)}, before and after {percent(seconds['before_and_after'] / wall)}; "
         f"the host's thread worked {1e3 * seconds['host_thread']:.3g} ms",
@@ -88,6 +95,32 @@ def headline(told: dict[str, Any]) -> list[str]:
         f"before that: load {seconds['load']:.3g} s, accelerator {seconds['accelerator']:.3g} s, upload and programs {seconds['compile']:.3g} s",
         f"profiling costs {percent(over['share'])}: medians of {len(over['with_events'])} runs with events and as many without, in turn "
         f"(with: {_span(over['with_events'])}; without: {_span(over['without'])})"]
+
+
+DOES = {"generate": "starting paths at the camera", "extend": "finding what rays meet", "escape": "what lies beyond the scene",
+        "scatter": "scattering inside bodies", "shade": "materials, and choosing light and direction", "connect": "finding whether lights are hidden",
+        "accumulate": "adding samples to the picture"}
+"""What a stage's time goes into."""
+
+NEAR_COPY, BUSY = 0.6, 0.95
+
+
+def findings(told: dict[str, Any]) -> list[str]:
+    """What a reader should know first, in whole sentences."""
+    by_time = sorted(told["stages"], key=lambda row: -row["seconds"])
+    said = [f"{row['stage']} takes {percent(row['share'])} of the kernels' time: {DOES[row['stage'].partition('[')[0]]}." for row in by_time[:3]]
+    busy = told["seconds"]["kernels"] / (told["seconds"]["wall"] or 1.0)
+    said.append(f"The device worked {percent(busy)} of the time" + (": the host does not hold it up." if busy > BUSY else
+                "; else it waited for the host or the driver, or had nothing left to do."))
+    nearest = max(told["stages"], key=lambda row: row["share_of_copy"])
+    near = nearest["share_of_copy"] > NEAR_COPY
+    said.append(f"{nearest['stage']} comes nearest to the speed of memory, {percent(nearest['share_of_copy'])} of what a copy reaches: "
+                + ("it waits for what it reads and writes of paths." if near else "no stage waits for what it reads and writes of paths."))
+    extend = next(row for row in told["stages"] if row["stage"] == "extend")
+    if extend["nodes_per_ray"] is not None:
+        said.append(f"A ray visits {number(extend['nodes_per_ray'])} nodes of the trees and is tested against "
+                    f"{number(extend['primitives_per_ray'])} primitives.")
+    return [*said, f"The profiler itself costs {percent(told['overhead']['share'])}; negative: less than runs differ."]
 
 
 def _layouts(told: dict[str, Any]) -> str:
@@ -128,8 +161,10 @@ def rounds_text(told: dict[str, Any]) -> list[str]:
 def table_text(told: dict[str, Any]) -> str:
     """Everything for a terminal."""
     table = _aligned([list(COLUMNS), *(stage_cells(row) for row in told["stages"])])
+    moved = _aligned([list(MOVED_COLUMNS), *(moved_cells(row) for row in told["stages"])])
     programs = _aligned([list(PROGRAM_COLUMNS), *(program_cells(row) for row in told["stages"])])
-    lines = [*headline(told), "", *table, "", *programs, "", "by bounce", *_aligned([list(BOUNCE_COLUMNS), *map(bounce_cells, told["bounces"])]), "",
+    by_bounce = _aligned([list(BOUNCE_COLUMNS), *map(bounce_cells, told["bounces"])])
+    lines = [*headline(told), "", *table, "", *moved, "", *programs, "", "by bounce", *by_bounce, "",
              "population by round (means where rounds are taken together; ms: all their kernels)", *rounds_text(told), "", *told["definitions"],
              BOUNCES]
     return "\n".join(lines) + "\n"
