@@ -41,10 +41,10 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
             met = bits & 0x00ffffffu;
             first = children.y;
         }
-        VISIT_PRIMITIVES(scene, popcount(met));
         for (; met != 0u; met &= met - 1u) {
             uint index = first + 31u - clz(met & (0u - met));
             hit_t candidate;
+            VISIT_PRIMITIVES(scene, 1u);
             if (SHAPE_FUNCTION(intersect)(scene, index, ray, &prepared, hit->t, &candidate) && SHAPE_ACCEPTS(index, hit->t)) {
                 *hit = candidate;
                 hit->primitive = index + SHAPE_FIRST;

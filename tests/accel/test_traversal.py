@@ -65,7 +65,7 @@ def test_tree_and_list_agree(device: cl.Device, name: str) -> None:
     assert np.array_equal(plain.occluded(origins[:few], directions[:few]), expected[1] != NONE)
     for accelerator in TREES:
         if accelerator.name == "bvh8" and is_gpu(device):
-            continue  # never used there (tests/accel/conftest.py)
+            continue  # used there only where asked (tests/accel/conftest.py)
         tree = Tracer(device, triangles, accelerator)
         hits, primitives = tree.nearest(origins, directions)
         assert_same_hits((hits[:few], primitives[:few]), expected)
