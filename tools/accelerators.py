@@ -13,6 +13,7 @@ import json
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from statistics import median
@@ -94,6 +95,20 @@ def prepare(scene: Any, layout: str, device: str | None) -> Candidate:
     return found
 
 
+def prepared(scene: Any, names: list[str], device: str | None) -> Iterator[Candidate]:
+    """Those of the layouts that the device can take."""
+    from lumiere.errors import DeviceError
+
+    for layout in names:
+        begin = time.perf_counter()
+        try:
+            yield prepare(scene, layout, device)
+        except DeviceError as error:
+            print(f"left out: {layout}: {error}", file=sys.stderr)
+            continue
+        print(f"{layout}: prepared in {time.perf_counter() - begin:.1f} s", file=sys.stderr, flush=True)
+
+
 def table(rows: list[dict[str, Any]]) -> str:
     """As Markdown."""
     lines = ["| layout | build, s | MB | " + " | ".join(f"{kind}, Mrays/s | nodes | prims" for kind in KINDS) + " | Msamples/s |",
@@ -111,7 +126,6 @@ def main() -> int:
     from lumiere import api
     from lumiere.accel import layouts
     from lumiere.device.select import choose
-    from lumiere.errors import DeviceError
     from lumiere.wavefront.policy import is_gpu
 
     parser = argparse.ArgumentParser(description="Measure the layouts of accelerators.")
@@ -134,16 +148,8 @@ def main() -> int:
             displaced_spheres(50, 20480).export(Path(name) / "spheres.ply")
             path.write_text(json.dumps(spheres_scene("spheres.ply", width, height)), encoding="utf-8")
         scene = api.with_options(api.load(path), size)
-    scene = replace(scene, integrator=replace(scene.integrator, russian_roulette_depth=None))
-    candidates = []
-    for layout in arguments.layouts:
-        begin = time.perf_counter()
-        try:
-            candidates.append(prepare(scene, layout, arguments.device))
-        except DeviceError as error:
-            print(f"left out: {layout}: {error}", file=sys.stderr)
-            continue
-        print(f"{layout}: prepared in {time.perf_counter() - begin:.1f} s", file=sys.stderr, flush=True)
+        scene = replace(scene, integrator=replace(scene.integrator, russian_roulette_depth=None))
+        candidates = list(prepared(scene, arguments.layouts, arguments.device))
     for _ in range(arguments.repeats):
         for candidate in candidates:
             candidate.seconds.append(candidate.run())

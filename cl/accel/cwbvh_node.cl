@@ -11,18 +11,24 @@ typedef struct {
     uint octant;  // bits 2, 1, 0: the ray goes up along x, y, z, and so meets slots without that bit first
 } cwbvh_ray_t;
 
+// No component of the direction is taken for less than 2^-40 of the largest, so that inverses are finite: where a ray is in a node, this moves it by
+// at most 2^-40 of how far the node's farthest corner is along any axis, D.
 static inline cwbvh_ray_t cwbvh_prepare(const ray_t *ray)
 {
+    float3 size = fabs(ray->d);
+    float least = fmax(size.x, fmax(size.y, size.z)) * 0x1p-40f;
     cwbvh_ray_t prepared;
     prepared.o = ray->o;
-    prepared.inverse_d = 1.0f / ray->d;
+    prepared.inverse_d = 1.0f / copysign(fmax(size, least), ray->d);
     prepared.octant = (prepared.inverse_d.x < 0.0f ? 0u : 4u) | (prepared.inverse_d.y < 0.0f ? 0u : 2u) | (prepared.inverse_d.z < 0.0f ? 0u : 1u);
     return prepared;
 }
 
-// A node's grid as a ray sees it: a step along each axis, and the corner from the ray's origin. The roundings of that difference and of what is
-// done to it here are less than 2^-22 of it, and are taken from the near planes and given to the far ones; the sum with the steps, which are exact,
-// rounds once, as the difference in slab_enter does. So SLAB_MARGIN does the rest.
+// A node's grid along the ray: distances of a step, and of the corner as the near and as the far planes see it.
+//
+// A plane's distance is step × number + corner. Roundings: of the corner less the origin, less the slack, times the inverse, and of the product with
+// the number, each by at most 2^-24 D over the direction: the slack, 2^-21 D, is twice that and what moving the ray may need. The sum's and the
+// inverse's are relative to the distance, as in slab_enter, and SLAB_MARGIN's to answer for. What overflows is NaN, or as far as it should be.
 typedef struct {
     float3 step;
     float3 near;
@@ -31,30 +37,32 @@ typedef struct {
 
 static inline cwbvh_grid_t cwbvh_grid(const cwbvh_ray_t *ray, uint4 head)
 {
-    cwbvh_grid_t grid;
-    grid.step = (float3)(as_float((head.w & 255u) << 23), as_float((head.w >> 8 & 255u) << 23), as_float((head.w >> 16 & 255u) << 23));
+    float3 step = (float3)(as_float((head.w & 255u) << 23), as_float((head.w >> 8 & 255u) << 23), as_float((head.w >> 16 & 255u) << 23));
     float3 corner = (float3)(as_float(head.x), as_float(head.y), as_float(head.z)) - ray->o;
-    float3 slack = copysign(fabs(corner) * 0x1p-22f, ray->inverse_d);
-    grid.near = corner - slack;
-    grid.far = corner + slack;
+    float3 farthest = fabs(corner) + 255.0f * step;
+    float3 slack = copysign((float3)(fmax(farthest.x, fmax(farthest.y, farthest.z)) * 0x1p-21f), ray->inverse_d);
+    cwbvh_grid_t grid;
+    grid.step = step * ray->inverse_d;
+    grid.near = (corner - slack) * ray->inverse_d;
+    grid.far = (corner + slack) * ray->inverse_d;
     return grid;
 }
 
-static inline float4 cwbvh_distance(uint steps, float step, float corner, float inverse_d)
+static inline float4 cwbvh_distance(uint numbers, float step, float corner)
 {
-    return (convert_float4(as_uchar4(steps)) * step + corner) * inverse_d;
+    return convert_float4(as_uchar4(numbers)) * step + corner;
 }
 
-// Four of the boxes, each plane a byte: which does the ray meet within t_max? fmax and fmin drop the NaN of 0 × infinity.
+// Four of the boxes, each plane a byte: which does the ray meet within t_max? fmax and fmin drop NaN.
 static inline int4 cwbvh_meets(const cwbvh_ray_t *ray, const cwbvh_grid_t *grid, uint3 low, uint3 high, float t_max)
 {
     uint x = ray->octant & 4u, y = ray->octant & 2u, z = ray->octant & 1u;
-    float4 near = fmax(cwbvh_distance(x ? low.x : high.x, grid->step.x, grid->near.x, ray->inverse_d.x), (float4)(0.0f));
-    float4 far = fmin(cwbvh_distance(x ? high.x : low.x, grid->step.x, grid->far.x, ray->inverse_d.x), (float4)(t_max));
-    near = fmax(cwbvh_distance(y ? low.y : high.y, grid->step.y, grid->near.y, ray->inverse_d.y), near);
-    far = fmin(cwbvh_distance(y ? high.y : low.y, grid->step.y, grid->far.y, ray->inverse_d.y), far);
-    near = fmax(cwbvh_distance(z ? low.z : high.z, grid->step.z, grid->near.z, ray->inverse_d.z), near);
-    far = fmin(cwbvh_distance(z ? high.z : low.z, grid->step.z, grid->far.z, ray->inverse_d.z), far);
+    float4 near = fmax(cwbvh_distance(x ? low.x : high.x, grid->step.x, grid->near.x), (float4)(0.0f));
+    float4 far = fmin(cwbvh_distance(x ? high.x : low.x, grid->step.x, grid->far.x), (float4)(t_max));
+    near = fmax(cwbvh_distance(y ? low.y : high.y, grid->step.y, grid->near.y), near);
+    far = fmin(cwbvh_distance(y ? high.y : low.y, grid->step.y, grid->far.y), far);
+    near = fmax(cwbvh_distance(z ? low.z : high.z, grid->step.z, grid->near.z), near);
+    far = fmin(cwbvh_distance(z ? high.z : low.z, grid->step.z, grid->far.z), far);
     return near <= far * SLAB_MARGIN;
 }
 

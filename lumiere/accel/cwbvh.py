@@ -86,7 +86,7 @@ class Cwbvh:
 def _quantised(low: np.ndarray, high: np.ndarray, present: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Boxes (m, 3, 8) on their node's grid: its corner (m, 3), the exponents of its steps (m, 3), the boxes' corners in steps (m, 3, 8).
 
-    Doubles round here by 2^-53 of a distance from the corner; the traversal allows for 2^-22 of it.
+    Doubles round here by 2^-53 of a distance from the corner; the traversal allows for 2^-21 of it.
     """
     corner = np.where(present, low, np.inf).min(axis=2, initial=np.inf)
     extent = np.where(present, high, -np.inf).max(axis=2, initial=-np.inf) - corner

@@ -104,6 +104,27 @@ def test_rays_along_the_faces_of_boxes(device: cl.Device, tree: Accelerator) -> 
                 assert (hits[inside, 0] == abs(height)).all()
 
 
+@every_tree
+def test_rays_with_components_that_are_none_or_next_to_none(device: cl.Device, tree: Accelerator) -> None:
+    """Against the list, from near and from far: directions of which one or two components are 0, -0 or so small that they hardly count."""
+    random = np.random.default_rng(12)
+    triangles = random.uniform(-1, 1, (400, 1, 3)) + random.uniform(-0.3, 0.3, (400, 3, 3))
+    triangles[::2, :, 0] = triangles[::2, :1, 0]  # half of them flat along x
+    n = 30_000
+    _, directions = rays_around(triangles, n, random)
+    small = random.choice([0.0, -0.0, 1e-42, -1e-30, 1e-20, -1e-12, 1e-8, 1e-6], (n, 3))
+    which = np.arange(3) == random.integers(3, size=(n, 1))
+    which |= (np.arange(3) == random.integers(3, size=(n, 1))) & (random.random((n, 1)) < 0.5)
+    directions = np.where(which, small, directions)
+    targets = np.einsum("nv,nva->na", random.dirichlet([1, 1, 1], n), triangles[random.integers(400, size=n)])
+    origins = targets - directions * random.choice([0.1, 1.0, 30.0], (n, 1))
+    expected = Tracer(device, triangles, Flat()).nearest(origins, directions)
+    assert (expected[1] != NONE).mean() > 0.8
+    traced = Tracer(device, triangles, tree)
+    assert_same_hits(traced.nearest(origins, directions), expected)
+    assert np.array_equal(traced.occluded(origins, directions), expected[1] != NONE)
+
+
 @every_accelerator
 def test_rays_that_are_none_meet_nothing(device: cl.Device, accelerator: Accelerator) -> None:
     random = np.random.default_rng(2)
