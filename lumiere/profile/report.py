@@ -93,7 +93,7 @@ def headline(told: dict[str, Any]) -> list[str]:
         f"the host's thread worked {1e3 * seconds['host_thread']:.3g} ms",
         _empty(told["rounds"]),
         f"before that: load {seconds['load']:.3g} s, accelerator {seconds['accelerator']:.3g} s, upload and programs {seconds['compile']:.3g} s",
-        f"profiling costs {percent(over['share'])}: medians of {len(over['with_events'])} runs with events and as many without, in turn "
+        f"profiling costs {percent(over['share'])}: the fastest of {len(over['with_events'])} runs with events by that of as many without, in turn "
         f"(with: {_span(over['with_events'])}; without: {_span(over['without'])})"]
 
 
