@@ -34,7 +34,8 @@ DEFINITIONS = (
 )
 
 BOUNCES = (
-    "A bounce is the part of a path from one scattering to the next; bounce 0 begins at the camera. Shadow rays belong to the bounce at whose end "
+    "A bounce is the part of a path from one scattering to the next; bounce 0 begins at the camera. It has several "
+    "rays where a surface lets the path pass. Shadow rays belong to the bounce at whose end "
     "they start. A launch that holds paths of several bounces gives each a part of its time by its rays; that of rounds without rays is left out.")
 
 
