@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
-from lumiere.accel import Accelerator, choose
+from lumiere.accel import Choice, choose
 
 
 @dataclass(frozen=True)
@@ -14,7 +13,7 @@ class Overrides:
     those of the stages named in ``stages``; ``slots``, where set, is the number of paths in flight, and ``compacted`` says how queues are kept.
     """
 
-    accelerator: Callable[[str, int, bool, bool], Accelerator] = choose
+    accelerator: Choice = choose
     compiler_options: tuple[str, ...] = ()
     stages: tuple[str, ...] = ()
     slots: int | None = None

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from lumiere.accel import Choice, choose, layouts, preferring
 from lumiere.bsdf import MATERIALS
 from lumiere.camera import CAMERAS
 from lumiere.compile.scene import compile_scene
@@ -94,10 +95,10 @@ def scenes(folder: Path) -> Iterator[dict[str, Any]]:
     yield {"scene": {"geometry": few, "lights": [{"type": "environment", "file": str(picture)}]}}
 
 
-def programs(scene: Scene) -> Iterator[ProgramSource]:
+def programs(scene: Scene, choose_accelerator: Choice = choose) -> Iterator[ProgramSource]:
     """The programs of ``scene`` for both ways of keeping queues."""
     for compacted in (False, True):
-        buffers = compile_scene(scene, packets=not compacted)
+        buffers = compile_scene(scene, packets=not compacted, choose_accelerator=choose_accelerator)
         yield from program_sources(buffers, Policy(compacted=compacted, work_group=64, slots=1024, batch=1024, rounds=1))
 
 
@@ -108,9 +109,11 @@ def main() -> int:
         return 0
     texts: dict[str, str] = {}
     with tempfile.TemporaryDirectory() as folder:
-        for scene in [*scenes(Path(folder)), *sys.argv[1:]]:
-            for program in programs(load(scene)):
-                texts.setdefault(program.text, program.name)
+        own = list(scenes(Path(folder)))
+        found = [programs(load(scene)) for scene in [*own, *sys.argv[1:]]]
+        found += [programs(load(own[-1]), preferring(layout)) for layout in layouts()]
+        for program in itertools.chain.from_iterable(found):
+            texts.setdefault(program.text, program.name)
     failed = 0
     for text, name in texts.items():
         done = subprocess.run([clang, *FLAGS, "-"], input=text, capture_output=True, text=True, check=False)

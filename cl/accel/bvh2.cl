@@ -23,6 +23,7 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
         while (!(current & BVH2_LEAF)) {
             float4 left_xy = nodes[3 * current], right_xy = nodes[3 * current + 1], z = nodes[3 * current + 2];
             uint2 child = children[current];
+            VISIT_NODE(scene);
             float left = slab_enter(&slab_ray, left_xy.xy, left_xy.zw, z.xy, hit->t);
             float right = slab_enter(&slab_ray, right_xy.xy, right_xy.zw, z.zw, hit->t);
             bool left_first = left <= right;
@@ -39,6 +40,7 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
         uint first = current & 0x0fffffffu, count = (current >> 28 & 7u) + 1u;
         for (uint index = first; index < first + count; index++) {
             hit_t candidate;
+            VISIT_PRIMITIVES(scene, 1u);
             if (SHAPE_FUNCTION(intersect)(scene, index, ray, &prepared, hit->t, &candidate) && SHAPE_ACCEPTS(index, hit->t)) {
                 *hit = candidate;
                 hit->primitive = index + SHAPE_FIRST;

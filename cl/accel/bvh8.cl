@@ -20,6 +20,7 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
     for (;;) {
         if (!(current & BVH8_LEAF)) {
             uint before = size;
+            VISIT_NODE(scene);
             bvh8_floats_t enter;
             ulong lanes = bvh8_enter(&wide, SHAPE_BUFFER(nodes) + 48 * (size_t)current, hit->t, &enter);
             global const uint *children = SHAPE_BUFFER(children) + 8 * (size_t)current;
@@ -36,6 +37,7 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
         } else {
             uint block = current & ~BVH8_LEAF;
             bvh8_block_t test;
+            VISIT_PRIMITIVES(scene, (SHAPE_BUFFER(ranges)[block] >> 28) + 1u);
             bvh8_block_test(&prepared, SHAPE_BUFFER(blocks) + 72 * (size_t)block, hit->t, &test);
             for (ulong lanes = test.met | test.doubt; lanes; lanes &= lanes - 1UL) {
                 uint lane = bvh8_first_lane(lanes), range = SHAPE_BUFFER(ranges)[block], index = (range & 0x0fffffffu) + lane;

@@ -10,6 +10,7 @@ static inline bool SHAPE_FUNCTION(nearest)(const scene_t *scene, const ray_t *ra
     bool found = false;
     for (uint index = 0; index < SHAPE_COUNT; index++) {
         hit_t candidate;
+        VISIT_PRIMITIVES(scene, 1u);
         if (SHAPE_FUNCTION(intersect)(scene, index, ray, &prepared, hit->t, &candidate) && SHAPE_ACCEPTS(index, hit->t)) {
             *hit = candidate;
             hit->primitive = index + SHAPE_FIRST;
@@ -26,6 +27,7 @@ static inline bool SHAPE_FUNCTION(occluded)(const scene_t *scene, const ray_t *r
     SHAPE_FUNCTION(ray_t) prepared = SHAPE_FUNCTION(prepare)(ray);
     for (uint index = 0; index < SHAPE_COUNT; index++) {
         hit_t candidate;
+        VISIT_PRIMITIVES(scene, 1u);
         if (SHAPE_FUNCTION(intersect)(scene, index, ray, &prepared, ray->t_max, &candidate) && SHAPE_ACCEPTS(index, ray->t_max))
             return true;
     }

@@ -84,6 +84,7 @@ static inline void SHAPE_FUNCTION(nearest_packet)(const scene_t *scene, packet_t
     float16 height = packet->t.all / d.scale, size = (float16)(1.0f), u = (float16)(0.0f), v = (float16)(0.0f);
     int16 index = (int16)(-1);
     for (uint i = 0u; i < SHAPE_COUNT; i++) {
+        VISIT_PRIMITIVES(scene, packet->rays);
         flat16_test_t test;
         int16 met = flat16_test(packet, &d, SHAPE_BUFFER(planes) + 20 * i, height, size, &test), sure = met & ~test.doubt;
         height = sure ? test.height : height;
@@ -137,6 +138,7 @@ static inline void SHAPE_FUNCTION(occluded_packet)(const scene_t *scene, packet_
     const float16 t = packet->t_max.all / d.scale;
     int16 blocked = (int16)(0);
     for (uint i = 0u; i < SHAPE_COUNT; i++) {
+        VISIT_PRIMITIVES(scene, packet->rays);
         flat16_test_t test;
         int16 met = flat16_test(packet, &d, SHAPE_BUFFER(planes) + 20 * i, t, (float16)(1.0f), &test) & ~blocked;
         blocked |= met & ~test.doubt;

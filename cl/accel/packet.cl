@@ -17,6 +17,7 @@ typedef struct {
     packet_floats_t t, u, v;     // of what was met, as in hit_t; t is t_max where nothing was
     uint primitive[16];
     uint met[16];                // was something met?
+    uint rays;                   // how many there are
 } packet_t;
 
 // A ray that is none meets nothing: all its coordinates are 0.

@@ -4,7 +4,9 @@
 //   SHAPE_COUNT        number of its primitives
 //   SHAPE_BUFFER(key)  the array `key` of its encoder
 // and, where a ray may pass through what it meets, SHAPE_counts (accel/counts.cl).
+// A traversal tells VISIT_NODE and VISIT_PRIMITIVES what it tests (accel/visits.cl).
 
+#include "accel/visits.cl"
 #include "lib/ray.cl"
 
 #define SHAPE_JOIN_EXPANDED(shape, suffix) shape##suffix

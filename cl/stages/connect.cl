@@ -2,6 +2,7 @@
 //
 // From: shade. To: nothing; the sample buffer.
 
+#include "accel/visits.cl"
 #include "lib/path.cl"
 #include "lib/queue.cl"
 #include "lib/sampler.cl"
@@ -32,20 +33,24 @@ kernel WORK_GROUP UNVECTORIZED void connect(STAGE_PARAMETERS)
     if (first % PACKET != 0u)
         return;
     packet_t packet;
-    uint rays = 0u;
+    packet.rays = 0u;
     for (uint lane = 0u; lane < PACKET; lane++) {
         packet_set_none(&packet, lane);
         if (queue_holds_connect(&queues, first + lane)) {
             const ray_t ray = shadow_ray(&path, first + lane);
             packet_set(&packet, lane, &ray);
-            rays++;
+            packet.rays++;
         }
     }
-    if (rays == 0u)
+    if (packet.rays == 0u)
         return;
     trace_occluded_packet(&scene, &packet);
+    SHARE_VISITS(packet.rays);
     for (uint lane = 0u; lane < PACKET; lane++) {
-        if (queue_holds_connect(&queues, first + lane) && !packet.met[lane])
+        if (!queue_holds_connect(&queues, first + lane))
+            continue;
+        RECORD_VISITS(first + lane, 1u);
+        if (!packet.met[lane])
             add_contribution(&scene, &path, &samples, first + lane);
     }
 }
@@ -65,7 +70,9 @@ kernel WORK_GROUP UNVECTORIZED void connect(STAGE_PARAMETERS)
 #ifdef OPACITY
     scene.ray_seed = ray_seed(path_get_seed(&path, slot), path_get_index(&path, slot), 2u * path_get_depth(&path, slot) + 1u);
 #endif
-    if (!trace_occluded(&scene, &ray))
+    const bool occluded = trace_occluded(&scene, &ray);
+    RECORD_VISITS(slot, 1u);
+    if (!occluded)
         add_contribution(&scene, &path, &samples, slot);
 }
 

@@ -3,6 +3,7 @@
 // From: generate (new paths), shade and scatter (paths that go on).
 // To:   shade, by the kind of BSDF that was met; scatter, where a walk in a body met none; escape, where there is something beyond the scene; else the slot is idle.
 
+#include "accel/visits.cl"
 #include "lib/math.cl"
 #include "lib/mix.cl"
 #include "lib/path.cl"
@@ -73,18 +74,20 @@ kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
     if (first % PACKET != 0u)
         return;
     packet_t packet;
-    uint rays = 0u;
+    packet.rays = 0u;
     for (uint lane = 0u; lane < PACKET; lane++) {
         const uint slot = first + lane;
         packet_set_none(&packet, lane);
         if (queue_holds(&queues, QUEUE_EXTEND_0, slot) && !is_unborn(&path, slot)) {
             const ray_t ray = {path_get_origin(&path, slot), path_get_direction(&path, slot), INFINITY};
             packet_set(&packet, lane, &ray);
-            rays++;
+            packet.rays++;
         }
     }
-    if (rays > 0u)
+    if (packet.rays > 0u) {
         trace_nearest_packet(&scene, &packet);
+        SHARE_VISITS(packet.rays);
+    }
     for (uint lane = 0u; lane < PACKET; lane++) {
         const uint slot = first + lane;
         if (!queue_holds(&queues, QUEUE_EXTEND_0, slot))
@@ -93,6 +96,7 @@ kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
         const hit_t hit = packet_hit(&packet, lane);
         const uint next = is_unborn(&path, slot) ? IDLE : packet.met[lane] ? store_hit(&scene, &path, slot, &ray, &hit) : BEYOND;
         queue_push(&queues, next, slot, scratch);
+        RECORD_VISITS(slot, 0u);
     }
 }
 
@@ -148,6 +152,7 @@ kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
 #endif
             next = BEYOND;
         }
+        RECORD_VISITS(slot, 0u);
     }
     queue_push(&queues, next, slot, scratch);
 }

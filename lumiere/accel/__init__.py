@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
+import pkgutil
+from collections.abc import Callable
 from typing import ClassVar, Protocol
 
 import numpy as np
 
 from lumiere.accel.build import Topology
+from lumiere.errors import UsageError
 
 FLAT_UP_TO = 8
 """As many primitives are faster tested one after the other than through a tree of two or three nodes."""
@@ -24,6 +28,7 @@ class Accelerator(Protocol):
     """A builder and a layout. ``cl/accel/{name}.cl`` traverses what ``encode`` makes."""
 
     name: ClassVar[str]
+    triangles_only: ClassVar[bool]
 
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """The topology over boxes (n, 3) float32; ``order`` is the order in which the primitives have to be stored."""
@@ -48,3 +53,30 @@ def choose_for_packets(shape: str, n_primitives: int, bounded: bool, wide: bool)
     from lumiere.accel.flat16 import Flat16
 
     return Flat16() if wide and shape == "triangle" and n_primitives <= PACKETS_UP_TO else choose(shape, n_primitives, bounded, wide)
+
+
+Choice = Callable[[str, int, bool, bool], Accelerator]
+"""Chooses as ``choose`` does."""
+
+
+def layouts() -> dict[str, type[Accelerator]]:
+    """Every layout that one ray traverses at a time, by name: a module of this package of whose classes one has the module's name."""
+    found = {}
+    for module in pkgutil.iter_modules(__path__):
+        for thing in vars(importlib.import_module(f"{__name__}.{module.name}")).values():
+            if isinstance(thing, type) and getattr(thing, "name", None) == module.name and module.name not in PACKET_LAYOUTS:
+                found[module.name] = thing
+    return found
+
+
+def preferring(name: str) -> Choice:
+    """Chooses the layout called ``name`` for all that it can hold, on any device. Raises UsageError where there is none."""
+    layout = layouts().get(name)
+    if layout is None:
+        raise UsageError(f"found the accelerator '{name}', expected one of {', '.join(layouts())}")
+
+    def chosen(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelerator:
+        holds = bounded and (shape == "triangle" or not layout.triangles_only)
+        return layout() if holds else choose(shape, n_primitives, bounded, wide)
+
+    return chosen

@@ -25,6 +25,7 @@ class Bvh2:
     """
 
     name: ClassVar[str] = "bvh2"
+    triangles_only: ClassVar[bool] = False
 
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """A SAH topology with leaves of at most 4."""

@@ -13,6 +13,7 @@ class Flat:
     """No nodes: the device tests every primitive. The boxes may be infinite."""
 
     name: ClassVar[str] = "flat"
+    triangles_only: ClassVar[bool] = False
 
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """One leaf, the primitives in their own order."""

@@ -22,6 +22,7 @@ def add(subcommands: Any) -> None:
     parser.add_argument("--width", metavar="W", type=whole(1, 65536), help="pixels of the whole picture")
     parser.add_argument("--height", metavar="H", type=whole(1, 65536), help="pixels of the whole picture")
     parser.add_argument("--device", metavar="DEVICE", help="number or part of a name from `lumiere devices` (default: $LUMIERE_DEVICE, or the best)")
+    parser.add_argument("--accelerator", metavar="LAYOUT", help="layout, as cwbvh, of the trees of all that it can hold (default: the device's own)")
     parser.add_argument("--json", metavar="FILE", help="write all figures, for --compare")
     parser.add_argument("--html", metavar="FILE", help="write a page with timelines and the population by round")
     parser.add_argument("--trace", metavar="FILE", help="write a trace for Perfetto or chrome://tracing")
@@ -45,7 +46,9 @@ def run(options: argparse.Namespace) -> int:
 
 def _profile(options: argparse.Namespace) -> int:
     from lumiere import api
+    from lumiere.accel import preferring
     from lumiere.film.atomic import check_writable, replacing
+    from lumiere.overrides import Overrides
     from lumiere.profile.measure import measure
     from lumiere.profile.page import page
     from lumiere.profile.report import summary_json, table_text, trace_json
@@ -61,9 +64,10 @@ def _profile(options: argparse.Namespace) -> int:
         sys.stderr.write(f"lumiere: {step}\n")
         sys.stderr.flush()
 
+    overrides = Overrides() if options.accelerator is None else Overrides(accelerator=preferring(options.accelerator))
     begin = time.perf_counter()
     scene = api.with_options(api.load(options.scene), {"spp": options.spp, "width": options.width, "height": options.height})
-    profile = measure(scene, options.device, time.perf_counter() - begin, tell)
+    profile = measure(scene, options.device, time.perf_counter() - begin, tell, overrides)
     told = summary(profile)
     sys.stdout.write(table_text(told))
     sys.stdout.flush()

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from lumiere.accel import Accelerator, choose
+from lumiere.accel import Choice, choose
 from lumiere.bsdf import Material
 from lumiere.shape import DeviceShape, Primitives, Shape
 from lumiere.texture import Texture
@@ -61,7 +60,7 @@ class Vertices:
 
 
 def group_shapes(objects: list[Object], keep: tuple[str, ...], wide: bool,
-                 choose_accelerator: Callable[[str, int, bool, bool], Accelerator] = choose) -> tuple[list[ShapeGroup], Vertices]:
+                 choose_accelerator: Choice = choose) -> tuple[list[ShapeGroup], Vertices]:
     """One group for each device shape that ``objects`` hold, triangles first. ``keep`` names what vertices carry that the scene uses
     (``normals``, ``uvs``, ``colors``); ``wide``: the device has wide vectors.
     """

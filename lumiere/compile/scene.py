@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from lumiere.accel import Accelerator, choose, choose_for_packets
+from lumiere.accel import Choice, choose, choose_for_packets
 from lumiere.bsdf import Body, Material
 from lumiere.bsdf.lambert import Lambert
 from lumiere.bsdf.mix import Mix
@@ -66,7 +65,7 @@ class SceneBuffers:
 
 
 def compile_scene(scene: Scene, *, wide: bool = True, packets: bool = False,
-                  choose_accelerator: Callable[[str, int, bool, bool], Accelerator] = choose) -> SceneBuffers:
+                  choose_accelerator: Choice = choose) -> SceneBuffers:
     """Compiles a validated scene, for a device with wide vectors (CPUs) or without; ``packets``: its queues let sixteen neighbours be traced
     together. Raises SceneError where a file that the scene names is not what it should be.
     """

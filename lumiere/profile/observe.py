@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from lumiere.wavefront.loop import Wavefront
+from lumiere.wavefront.source import TRACING
 
 
 @dataclass(frozen=True)
@@ -58,19 +61,30 @@ class Times:
         return [Launch(stage, batch, number, (start - first) * 1e-9, (end - start) * 1e-9) for stage, batch, number, start, end in rows]
 
 
-@dataclass
-class Items:
-    """An observer that counts the items of each launch: the paths or rays that wait for the stage when it starts. It waits for every launch, so
-    it is for a run that nobody times.
+@dataclass(frozen=True)
+class Count:
+    """What one launch of a stage found and left: ``items`` that waited for it, ``work_items`` launched, ``out`` what it gave to other stages, and
+    where it traces ``visits``, (VISIT_BOUNCES, 3) uint64: rays, nodes and primitives by bounce."""
 
-    ``items[batch, round, stage]``; ``paths[batch, round]`` counts the paths that are alive when the round's new ones have started.
+    items: int
+    work_items: int
+    out: dict[str, int]
+    visits: np.ndarray | None = None
+
+
+@dataclass
+class Census:
+    """An observer that counts each launch. It waits for every one, so it is for a run that nobody times; the wavefront must count visits.
+
+    ``counts[batch, round, stage]``; ``paths[batch, round]`` counts the paths that are alive when the round's new ones have started.
     """
 
     wavefront: Wavefront
     batch: int = -1
-    items: dict[tuple[int, int, str], int] = field(default_factory=dict)
+    counts: dict[tuple[int, int, str], Count] = field(default_factory=dict)
     paths: dict[tuple[int, int], int] = field(default_factory=dict)
     _before: dict[str, int] = field(default_factory=dict)
+    _visited: dict[str, np.ndarray] = field(default_factory=dict)
 
     def __call__(self, stage: str, number: int, event: Any) -> None:
         batch = _next_batch(self.batch, stage, number)
@@ -80,15 +94,37 @@ class Items:
         after = self.wavefront.census()
         if stage == "generate":
             self.paths[batch, number] = after[alive]
-            count = after[alive] - self._before.get(alive, 0)
+            items = after[alive] - self._before.get(alive, 0)
         elif stage == "accumulate":
-            count = sum(n for (b, _, s), n in self.items.items() if s == "generate" and b == batch)
+            items = sum(count.items for (b, _, s), count in self.counts.items() if s == "generate" and b == batch)
         else:
-            count = self._before.get(alive if stage == "extend" else self._queue(stage), 0)
-        self.items[batch, number, stage] = count
+            items = self._before.get(alive if stage == "extend" else self._queue(stage), 0)
+        self.counts[batch, number, stage] = Count(items, self.wavefront.work_items, self._given(after, stage), self._newly_visited(stage))
         self._before = after
 
     def _queue(self, stage: str) -> str:
         """The queue that ``stage`` empties."""
         name, _, kind = stage.rstrip("]").partition("[")
         return f"SHADE_{list(self.wavefront.buffers.features.bsdfs).index(kind)}" if name == "shade" else name.upper()
+
+    def _stage(self, queue: str) -> str:
+        """The stage that empties ``queue``."""
+        name, _, number = queue.partition("_")
+        return f"shade[{list(self.wavefront.buffers.features.bsdfs)[int(number)]}]" if name == "SHADE" else name.lower()
+
+    def _given(self, after: dict[str, int], stage: str) -> dict[str, int]:
+        """By how much the queues of other stages have grown."""
+        given: dict[str, int] = {}
+        for queue in self.wavefront.queues if stage != "accumulate" else ():
+            grown = after[queue] - self._before.get(queue, 0)
+            if grown > 0 and not queue.startswith("IDLE"):
+                given[self._stage(queue)] = given.get(self._stage(queue), 0) + grown
+        return given
+
+    def _newly_visited(self, stage: str) -> np.ndarray | None:
+        if stage not in TRACING:
+            return None
+        total = self.wavefront.visits(stage)
+        new = total - self._visited.get(stage, 0)
+        self._visited[stage] = total
+        return new

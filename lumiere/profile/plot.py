@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from html import escape
+from typing import Any
 
 from lumiere.profile.bins import RoundBin
-from lumiere.profile.observe import Launch
+from lumiere.profile.observe import Count, Launch
 
 WIDTH, LEFT, RIGHT = 1100, 110, 20
 
@@ -92,7 +93,7 @@ def whole(launches: Sequence[Launch], stages: Sequence[str]) -> str:
     return _svg(top + height + 36, parts, "how each slice of time was divided among the stages")
 
 
-def lanes(launches: Sequence[Launch], stages: Sequence[str], items: dict[tuple[int, int, str], int]) -> str:
+def lanes(launches: Sequence[Launch], stages: Sequence[str], counts: dict[tuple[int, int, str], Count]) -> str:
     """Each launch as a bar in its stage's lane."""
     begin = min((launch.start for launch in launches), default=0.0)
     span = max((launch.end for launch in launches), default=0.0) - begin or 1.0
@@ -107,7 +108,7 @@ def lanes(launches: Sequence[Launch], stages: Sequence[str], items: dict[tuple[i
                      f'<line class="grid" x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{(i + 1) * LANE}" y2="{(i + 1) * LANE}"/>')
     for launch in launches:
         row = stages.index(launch.stage)
-        count = items.get((launch.batch, launch.round, launch.stage), 0)
+        count = counts.get((launch.batch, launch.round, launch.stage), Count(0, 0, {})).items
         parts.append(f'<rect x="{x(launch.start - begin):.2f}" y="{row * LANE + 3}" width="{max(0.4, x(launch.seconds) - x(0.0)):.2f}" '
                      f'height="{LANE - 6}" fill="{color_of[launch.stage]}"><title>{escape(launch.stage)}, batch {launch.batch}, '
                      f'round {launch.round}: {1e3 * launch.seconds:.4g} ms, {count:,} items</title></rect>')
@@ -142,3 +143,38 @@ def population(parts_of: Sequence[RoundBin]) -> str:
             batch = part.batch
             parts.append(f'<line class="batch" x1="{x(part.first):.1f}" x2="{x(part.first):.1f}" y1="{top}" y2="{top + height}"/>')
     return _svg(top + height + 36, parts, "paths alive by round")
+
+
+def bounces(rows: Sequence[dict[str, Any]], stages: Sequence[str]) -> str:
+    """Rays and shadow rays of each bounce as a pair of bars, and below how the bounce's time was divided among the stages."""
+    top, height, gap = 18, 150, 46
+    most = max((max(row["extend"]["rays"], row["connect"]["rays"]) for row in rows), default=0) or 1
+    longest = max((sum(row["seconds"].values()) for row in rows), default=0.0) or 1.0
+    width = (WIDTH - LEFT - RIGHT) / max(1, len(rows))
+    color_of = colors(stages)
+    parts = []
+    for base, high, title, text in ((top + height, most, "rays", lambda t: f"{t:,.0f}"),
+                                    (top + 2 * height + gap, 1e3 * longest, "ms", lambda t: f"{t:.4g}")):
+        parts.append(f'<text x="{LEFT - 6}" y="{base - height - 6}" text-anchor="end">{title}</text>')
+        for tick in _ticks(high, 4):
+            y = base - height * tick / high
+            parts.append(f'<line class="grid" x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y:.1f}" y2="{y:.1f}"/>'
+                         f'<text x="{LEFT - 6}" y="{y + 4:.1f}" text-anchor="end">{text(tick)}</text>')
+    for i, row in enumerate(rows):
+        x, base = LEFT + i * width, float(top + height)
+        for j, (stage, kind, style) in enumerate((("extend", "rays", "alive"), ("connect", "shadow rays", "new"))):
+            part = row[stage]
+            tall = height * part["rays"] / most
+            visited = "" if part["nodes_per_ray"] is None else f"; each visits {part['nodes_per_ray']:.3g} nodes, {part['primitives_per_ray']:.3g} primitives"
+            parts.append(f'<rect class="{style}" x="{x + width * (0.15 + 0.35 * j):.2f}" y="{base - tall:.2f}" width="{0.35 * width:.2f}" '
+                         f'height="{tall:.2f}"><title>bounce {row["bounce"]}: {part["rays"]:,} {kind}{visited}</title></rect>')
+        parts.append(f'<text x="{x + width / 2:.1f}" y="{base + 15}" text-anchor="middle">{row["bounce"]}</text>')
+        base = float(top + 2 * height + gap)
+        parts.append(f'<text x="{x + width / 2:.1f}" y="{base + 15}" text-anchor="middle">{row["bounce"]}</text>')
+        for stage in stages:
+            value = row["seconds"].get(stage, 0.0)
+            tall = height * value / longest
+            base -= tall
+            parts.append(f'<rect x="{x + 0.15 * width:.2f}" y="{base:.2f}" width="{0.7 * width:.2f}" height="{tall:.2f}" fill="{color_of[stage]}">'
+                         f'<title>bounce {row["bounce"]}: {escape(stage)} {1e3 * value:.4g} ms</title></rect>')
+    return _svg(top + 2 * height + gap + 24, parts, "rays and time by bounce")

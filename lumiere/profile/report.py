@@ -9,10 +9,20 @@ from typing import Any
 from lumiere.errors import UsageError
 from lumiere.profile.bins import bins
 from lumiere.profile.measure import Profile
-from lumiere.profile.summary import FORMAT
+from lumiere.profile.observe import Count
+from lumiere.profile.summary import BOUNCES, FORMAT
 
-COLUMNS = ("stage", "ms", "share", "launches", "items", "ns/item", "Mrays/s", "state MB", "GB/s", "of copy", "idle before ms", "program s", "private",
-           "local", "group")
+COLUMNS = ("stage", "ms", "share", "launches", "idle before ms", "items", "out", "occupancy", "ns/item")
+"""Of the table of stages."""
+
+MOVED_COLUMNS = ("stage", "Mrays/s", "nodes/ray", "prims/ray", "tree GB/s", "moved MB", "GB/s", "of copy")
+"""Of the table of what stages trace and move."""
+
+PROGRAM_COLUMNS = ("program", "compile s", "registers", "private", "local", "group", "had in s", "why it was built")
+"""Of the table of programs."""
+
+BOUNCE_COLUMNS = ("bounce", "rays", "nodes/ray", "prims/ray", "Mrays/s", "shadow rays", "nodes/ray", "prims/ray", "Mrays/s", "ms")
+"""Of the table of bounces."""
 
 ROUNDS_SHOWN = 20
 
@@ -36,12 +46,36 @@ def percent(value: float) -> str:
 
 def stage_cells(row: dict[str, Any]) -> list[str]:
     """A stage's row of the table, in the order of COLUMNS."""
-    rays = row["rays_per_second"]
-    return [row["stage"], number(1e3 * row["seconds"]), percent(row["share"]), number(row["launches"]), f"{row['items']:,}",
-            number(1e9 * row["seconds"] / row["items"] if row["items"] else None), number(None if rays is None else rays / 1e6),
-            number(row["state_bytes"] / 1e6), number(row["state_bytes_per_second"] / 1e9), percent(row["share_of_copy"]),
-            number(1e3 * row["idle_before"]), number(row["program_seconds"]), number(row["private_bytes"]), number(row["local_bytes"]),
-            number(row["largest_group"])]
+    return [row["stage"], number(1e3 * row["seconds"]), percent(row["share"]), number(row["launches"]), number(1e3 * row["idle_before"]),
+            f"{row['items']:,}", f"{sum(row['out'].values()):,}" if row["out"] else "–", "–" if row["occupancy"] is None else percent(row["occupancy"]),
+            number(1e9 * row["seconds"] / row["items"] if row["items"] else None)]
+
+
+def moved_cells(row: dict[str, Any]) -> list[str]:
+    """A stage's row of the table of what it traces and moves, in the order of MOVED_COLUMNS."""
+    tree = row["tree_bytes_per_second"]
+    return [row["stage"], _millions(row["rays_per_second"]), number(row["nodes_per_ray"]), number(row["primitives_per_ray"]),
+            number(None if tree is None else tree / 1e9), number(row["bytes"] / 1e6), number(row["bytes_per_second"] / 1e9),
+            percent(row["share_of_copy"])]
+
+
+def _millions(rate: float | None) -> str:
+    return number(None if rate is None else rate / 1e6)
+
+
+def program_cells(row: dict[str, Any]) -> list[str]:
+    """A stage's row of the table of programs, in the order of PROGRAM_COLUMNS."""
+    return [row["stage"], number(row["compile_seconds"]), number(row["registers"]), number(row["private_bytes"]), number(row["local_bytes"]),
+            number(row["largest_group"]), number(row["program_seconds"]), row["program_reason"]]
+
+
+def bounce_cells(row: dict[str, Any]) -> list[str]:
+    """A bounce's row, in the order of BOUNCE_COLUMNS."""
+    cells = [f"{row['bounce']}{'+' if row['and_more'] else ''}"]
+    for stage in ("extend", "connect"):
+        part = row[stage]
+        cells += [f"{part['rays']:,}", number(part["nodes_per_ray"]), number(part["primitives_per_ray"]), _millions(part["rays_per_second"])]
+    return [*cells, number(1e3 * sum(row["seconds"].values()))]
 
 
 def headline(told: dict[str, Any]) -> list[str]:
@@ -50,15 +84,47 @@ def headline(told: dict[str, Any]) -> list[str]:
     wall = seconds["wall"] or 1.0
     return [
         f"{told['scene'] or 'scene'}: {told['width']} × {told['height']}, {told['spp']} spp on {told['device']} ({told['driver']})",
-        f"{told['samples_per_second'] / 1e6:.3g} Msamples/s without events; {told['queues']} queues, {told['paths_in_flight']:,} paths in flight of "
-        f"{told['bytes_per_path']} bytes, work-groups of {told['work_group']}; a copy moves {told['copy_bandwidth'] / 1e9:.3g} GB/s",
+        f"accelerators: {_layouts(told)}",
+        f"{told['samples_per_second'] / 1e6:.3g} million samples a second, measured without events; {told['queues']} queues, "
+        f"{told['paths_in_flight']:,} paths in flight of {told['bytes_per_path']} bytes, work-groups of {told['work_group']}; "
+        f"a copy moves {told['copy_bandwidth'] / 1e9:.3g} GB/s",
         f"{1e3 * wall:.4g} ms of wall time: kernels {percent(seconds['kernels'] / wall)}, device idle between kernels "
         f"{percent(seconds['idle'] / wall)}, before and after {percent(seconds['before_and_after'] / wall)}; "
         f"the host's thread worked {1e3 * seconds['host_thread']:.3g} ms",
         _empty(told["rounds"]),
         f"before that: load {seconds['load']:.3g} s, accelerator {seconds['accelerator']:.3g} s, upload and programs {seconds['compile']:.3g} s",
-        f"profiling costs {percent(over['share'])}: medians of {len(over['with_events'])} runs with events and as many without, in turn "
+        f"profiling costs {percent(over['share'])}: the fastest of {len(over['with_events'])} runs with events by that of as many without, in turn "
         f"(with: {_span(over['with_events'])}; without: {_span(over['without'])})"]
+
+
+DOES = {"generate": "starting paths at the camera", "extend": "finding what rays meet", "escape": "what lies beyond the scene",
+        "scatter": "scattering inside bodies", "shade": "materials, and choosing light and direction", "connect": "finding whether lights are hidden",
+        "accumulate": "adding samples to the picture"}
+"""What a stage's time goes into."""
+
+NEAR_COPY, BUSY = 0.6, 0.95
+
+
+def findings(told: dict[str, Any]) -> list[str]:
+    """What a reader should know first, in whole sentences."""
+    by_time = sorted(told["stages"], key=lambda row: -row["seconds"])
+    said = [f"{row['stage']} takes {percent(row['share'])} of the kernels' time: {DOES[row['stage'].partition('[')[0]]}." for row in by_time[:3]]
+    busy = told["seconds"]["kernels"] / (told["seconds"]["wall"] or 1.0)
+    said.append(f"The device worked {percent(busy)} of the time" + (": the host does not hold it up." if busy > BUSY else
+                "; else it waited for the host or the driver, or had nothing left to do."))
+    nearest = max(told["stages"], key=lambda row: row["share_of_copy"])
+    near = nearest["share_of_copy"] > NEAR_COPY
+    said.append(f"{nearest['stage']} comes nearest to the speed of memory, {percent(nearest['share_of_copy'])} of what a copy reaches: "
+                + ("it waits for what it reads and writes of paths." if near else "no stage waits for what it reads and writes of paths."))
+    extend = next(row for row in told["stages"] if row["stage"] == "extend")
+    if extend["nodes_per_ray"] is not None:
+        said.append(f"A ray visits {number(extend['nodes_per_ray'])} nodes of the trees and is tested against "
+                    f"{number(extend['primitives_per_ray'])} primitives.")
+    return [*said, f"The profiler itself costs {percent(told['overhead']['share'])}; negative: less than runs differ."]
+
+
+def _layouts(told: dict[str, Any]) -> str:
+    return ", ".join(f"{layout} of {shape}s" for shape, layout in told["accelerators"].items()) or "none"
 
 
 def _empty(rounds: list[dict[str, Any]]) -> str:
@@ -94,10 +160,13 @@ def rounds_text(told: dict[str, Any]) -> list[str]:
 
 def table_text(told: dict[str, Any]) -> str:
     """Everything for a terminal."""
-    reasons = sorted({row["program_reason"] for row in told["stages"]})
     table = _aligned([list(COLUMNS), *(stage_cells(row) for row in told["stages"])])
-    lines = [*headline(told), "", *table, f"programs built: {'; '.join(reasons)}", "",
-             "population by round (means where rounds are taken together; ms: all their kernels)", *rounds_text(told), "", *told["definitions"]]
+    moved = _aligned([list(MOVED_COLUMNS), *(moved_cells(row) for row in told["stages"])])
+    programs = _aligned([list(PROGRAM_COLUMNS), *(program_cells(row) for row in told["stages"])])
+    by_bounce = _aligned([list(BOUNCE_COLUMNS), *map(bounce_cells, told["bounces"])])
+    lines = [*headline(told), "", *table, "", *moved, "", *programs, "", "by bounce", *by_bounce, "",
+             "population by round (means where rounds are taken together; ms: all their kernels)", *rounds_text(told), "", *told["definitions"],
+             BOUNCES]
     return "\n".join(lines) + "\n"
 
 
@@ -115,8 +184,9 @@ def trace_json(profile: Profile) -> str:
         key = (launch.batch, launch.round)
         if launch.stage == "generate":
             events.append({"ph": "C", "pid": 1, "name": "paths alive", "ts": 1e6 * launch.start, "args": {"paths": profile.paths.get(key, 0)}})
+        count = profile.counts.get((*key, launch.stage), Count(0, 0, {}))
         events.append({"ph": "X", "pid": 1, "tid": 1, "cat": "kernel", "name": launch.stage, "ts": 1e6 * launch.start, "dur": 1e6 * launch.seconds,
-                       "args": {"batch": launch.batch, "round": launch.round, "items": profile.items.get((*key, launch.stage), 0)}})
+                       "args": {"batch": launch.batch, "round": launch.round, "items": count.items, "work items": count.work_items, "out": count.out}})
     return json.dumps({"displayTimeUnit": "ms", "traceEvents": events}, ensure_ascii=False) + "\n"
 
 
@@ -149,18 +219,21 @@ def compare_text(a: dict[str, Any], b: dict[str, Any]) -> str:
         rows.append([name, number(x, 4), number(y, 4), _ratio(x, y)])
 
     stages = [{row["stage"]: row for row in told["stages"]} for told in (a, b)]
-    none = {"seconds": 0.0, "rays_per_second": None, "share_of_copy": 0.0}
+    none = {"seconds": 0.0, "rays_per_second": None, "nodes_per_ray": None, "primitives_per_ray": None}
     for stage in dict.fromkeys([*stages[0], *stages[1]]):
         x, y = (rows_of.get(stage, none) for rows_of in stages)
         add(f"{stage}, ns/sample", per_sample(a, x["seconds"]), per_sample(b, y["seconds"]))
         if x["rays_per_second"] and y["rays_per_second"]:
             add(f"{stage}, Mrays/s", x["rays_per_second"] / 1e6, y["rays_per_second"] / 1e6)
+        for key, name in (("nodes_per_ray", "nodes/ray"), ("primitives_per_ray", "prims/ray")):
+            if x[key] is not None and y[key] is not None:
+                add(f"{stage}, {name}", x[key], y[key])
     for name in ("kernels", "idle", "wall"):
         add(f"{name}, ns/sample", per_sample(a, a["seconds"][name]), per_sample(b, b["seconds"][name]))
     add("Msamples/s", a["samples_per_second"] / 1e6, b["samples_per_second"] / 1e6)
     add("copy, GB/s", a["copy_bandwidth"] / 1e9, b["copy_bandwidth"] / 1e9)
     heads = [f"{name}: {told['scene'] or 'scene'}, {told['width']} × {told['height']}, {told['spp']} spp, {told['device']}, "
-             f"version {told['version']}"
+             f"version {told['version']}, {_layouts(told)}"
              for name, told in (("A", a), ("B", b))]
     if a["scene_hash"] != b["scene_hash"] or a["device"] != b["device"]:
         heads.append("The two are not of one scene on one device.")

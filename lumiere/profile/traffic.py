@@ -1,4 +1,4 @@
-"""Bytes: what of a path's state each stage touches, and how fast the device copies."""
+"""Bytes: what each stage moves of paths, samples and queues, and how fast the device copies."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from statistics import median
 from typing import Any
 
 from lumiere.compile.features import Features
+from lumiere.wavefront.policy import Policy
 from lumiere.wavefront.state import path_fields
 
 COPIED = 256 << 20
@@ -21,15 +22,27 @@ _DIRECTIVE = re.compile(r"\s*#\s*(ifdef|ifndef|if|else|elif|endif|define|undef)\
 
 @dataclass(frozen=True)
 class Traffic:
-    """Bytes of path state that a stage reads and writes for one item."""
+    """Bytes of path state that a stage reads and writes for one item, and of the sample buffer, both ways together."""
 
     read: int
     written: int
+    samples: int = 0
 
     @property
     def bytes(self) -> int:
-        """Both."""
-        return self.read + self.written
+        """All of them."""
+        return self.read + self.written + self.samples
+
+
+def queue_bytes(policy: Policy, stage: str, items: int, given: int, work_items: int) -> int:
+    """Bytes of queues that launches of a stage move: of lists an entry an item and an entry for each slot that they give to another stage or, as
+    they do with what they end, to the idle ones; of tags every slot's, and again those of items. None where it takes from no queue, or gives to none.
+    """
+    if stage == "accumulate":
+        return 0
+    if not policy.compacted:
+        return 4 * (work_items * (2 if stage == "generate" else 1) + (0 if stage == "connect" else items))
+    return 4 * (items + given + (0 if stage in ("generate", "connect") else max(0, items - given)))
 
 
 def active_lines(text: str) -> Iterator[str]:
@@ -56,12 +69,16 @@ def active_lines(text: str) -> Iterator[str]:
             defined.discard(name)
 
 
-def path_traffic(text: str, features: Features) -> Traffic:
-    """What the program ``text`` touches of one path: each field that it names counts once for reading and once for writing."""
+def path_traffic(stage: str, text: str, features: Features) -> Traffic:
+    """What the program ``text`` of a stage touches of one path: each field that it names counts once for reading and once for writing; and of the
+    path's sample, all channels where it begins or ends, else the radiance where the stage may add to it.
+    """
     sizes = {field.name: 4 * field.size for field in path_fields(features)}
     touched = {match.groups() for line in active_lines(text) for match in _ACCESS.finditer(line)}
+    adds = any("sample_add_radiance(" in line and not line.startswith("static") for line in active_lines(text))
+    samples = 4 * features.channel_count() if stage in ("generate", "accumulate") else 24 if adds else 0
     return Traffic(sum(sizes.get(name, 0) for way, name in touched if way == "get"),
-                   sum(sizes.get(name, 0) for way, name in touched if way == "set"))
+                   sum(sizes.get(name, 0) for way, name in touched if way == "set"), samples)
 
 
 def copy_bandwidth(queue: Any, repeats: int = 5) -> float:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-import lumiere.accel
-from lumiere.accel import Accelerator, choose
+from lumiere.accel import Accelerator, choose, layouts, preferring
 from lumiere.overrides import Overrides
 from lumiere.scene.model import Scene
 from lumiere.texture.image import FILTERS, ImageTexture
@@ -83,30 +80,12 @@ def settings(scene: Scene, mean_radiance: float) -> Iterator[Setting]:
     yield from _accelerators()
 
 
-def layouts() -> dict[str, type[Accelerator]]:
-    """Every layout of ``lumiere.accel``, by name."""
-    found = {}
-    for module in pkgutil.iter_modules(lumiere.accel.__path__):
-        for thing in vars(importlib.import_module(f"lumiere.accel.{module.name}")).values():
-            if isinstance(thing, type) and hasattr(thing, "encode") and getattr(thing, "name", None) == module.name:
-                found[thing.name] = thing
-    return found
-
-
 def _accelerators() -> Iterator[Setting]:
     """Each layout for whatever it can hold; and the scene's own layout over a topology that the builder did not optimise."""
-    for name, layout in layouts().items():
+    for name in layouts():
         if name != "flat":
-            yield Setting("accelerator", name, overrides=Overrides(accelerator=_always(layout)), builds=True)
+            yield Setting("accelerator", name, overrides=Overrides(accelerator=preferring(name)), builds=True)
     yield Setting("accelerator", "of low build quality", overrides=Overrides(accelerator=_low_quality))
-
-
-def _always(layout: type[Accelerator]) -> Callable[[str, int, bool, bool], Accelerator]:
-    def choose_it(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelerator:
-        fits = bounded and (shape == "triangle" or layout.name != "bvh8")
-        return layout() if fits else choose(shape, n_primitives, bounded, wide)
-
-    return choose_it
 
 
 class _HighTraversalCost:

@@ -14,7 +14,7 @@ from lumiere.overrides import Overrides
 from lumiere.wavefront.batch import BATCH, Batch, pixel_order
 from lumiere.wavefront.memory import DeviceMemory
 from lumiere.wavefront.policy import Policy
-from lumiere.wavefront.source import COUNTERS, NON_FINITE_KEPT, counter_count, program_sources, queue_names
+from lumiere.wavefront.source import COUNTERS, NON_FINITE_KEPT, TRACING, VISIT_BOUNCES, VISIT_COPIES, counter_count, program_sources, queue_names
 from lumiere.wavefront.state import words_per_path
 
 
@@ -41,6 +41,8 @@ class Wavefront:
     """Told each launch's stage, round and event; the queue must then have been made with profiling."""
     compiler_options: Callable[[str], tuple[str, ...]] = Overrides().options_of
     """Of a stage's programs, by the stage's name."""
+    work_items: int = 0
+    """Of the last launch."""
 
     def __post_init__(self) -> None:
         features, policy = self.buffers.features, self.policy
@@ -59,11 +61,30 @@ class Wavefront:
         self._film = allocate("the film", 4 * self.film_arrays * self.film_stride)
         self._non_finite = allocate("the list of non-finite samples", 4 * (1 + 2 * NON_FINITE_KEPT))
         self._batch = allocate("the batch", BATCH.itemsize)
-        sources = [replace(source, options=self.compiler_options(source.name.partition("[")[0])) for source in program_sources(self.buffers, policy)]
-        self.builds = build_all(sources, self.context, self.queue.device)
         self._arguments = [path_floats, path_uints, np.uint32(stride), self._queue_slots, self._counters, np.uint32(policy.slots)]
+        self._visits: dict[str, Any] = {}
+        self._build()
+
+    def _build(self) -> None:
+        """The programs and their kernels; those that count visits where there are counts for them."""
+        sources = program_sources(self.buffers, self.policy, counting=bool(self._visits))
+        sources = [replace(source, options=self.compiler_options(source.name.partition("[")[0])) for source in sources]
+        self.builds = build_all(sources, self.context, self.queue.device)
         self._rounds = [[self._stage(build, parity) for build in self.builds[:-1]] for parity in (0, 1)]
         self._accumulate = self._accumulate_kernel(self.builds[-1])
+
+    def count_visits(self) -> None:
+        """From now on ``visits`` tells what rays have visited; the stages that trace are slower for it."""
+        self._visits = {stage: self.memory.allocate("counts of visits", 4 * VISIT_COPIES * VISIT_BOUNCES * 6) for stage in TRACING}
+        self._build()
+
+    def visits(self, stage: str) -> np.ndarray:
+        """(VISIT_BOUNCES, 3) uint64: rays that the stage has traced since ``count_visits``, nodes and primitives that these have visited, by bounce."""
+        import pyopencl as cl
+
+        words = np.zeros((VISIT_COPIES, VISIT_BOUNCES, 3, 2), dtype="<u4")
+        cl.enqueue_copy(self.queue, words, self._visits[stage], is_blocking=True)
+        return words.view("<u8")[..., 0].sum(axis=0)
 
     @property
     def bytes_per_path(self) -> int:
@@ -74,7 +95,8 @@ class Wavefront:
         import pyopencl as cl
 
         kernel = cl.Kernel(build.program, build.name.partition("[")[0])
-        kernel.set_args(*self._arguments, np.uint32(parity), self._samples, np.uint32(self.sample_stride), self._batch, *self._scene)
+        counts = [self._visits[build.name]] if build.name in self._visits else []
+        kernel.set_args(*self._arguments, np.uint32(parity), self._samples, np.uint32(self.sample_stride), self._batch, *self._scene, *counts)
         return kernel
 
     def _accumulate_kernel(self, build: Build) -> Any:
@@ -127,6 +149,7 @@ class Wavefront:
             for number in range(self.policy.rounds):
                 for build, kernel in zip(self.builds, self._rounds[number % 2], strict=False):
                     event = cl.enqueue_nd_range_kernel(self.queue, kernel, size, group)
+                    self.work_items = size[0]
                     if self.observer is not None:
                         self.observer(build.name, done + number, event)
             done += self.policy.rounds

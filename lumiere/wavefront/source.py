@@ -84,18 +84,33 @@ def _defines(features: Features, policy: Policy) -> str:
     return "\n".join(lines + [f"#define {name} {value}" for name, value in values.items()]) + "\n"
 
 
-def _scene_struct(buffers: SceneBuffers) -> str:
-    """scene_t: pointers to the scene's buffers; and the kernel parameters that every stage takes, with the text that packs them up."""
+TRACING = ("extend", "connect")
+"""Stages that trace rays."""
+
+VISIT_BOUNCES, VISIT_COPIES = 32, 64
+"""Bounces that are told apart in counting what rays visit (the last takes those beyond it), and copies of those counts."""
+
+_COUNTING = (f"#define COUNT_VISITS\n#define VISIT_BOUNCES {VISIT_BOUNCES}u\n#define VISIT_COPIES {VISIT_COPIES}u\n"
+             "typedef struct {\n    uint nodes;\n    uint primitives;\n} visits_t;\n")
+
+
+def _scene_struct(buffers: SceneBuffers, *, counting: bool = False) -> str:
+    """scene_t: pointers to the scene's buffers; and the kernel parameters that every stage takes, with the text that packs them up; and where
+    visits are counted (cl/accel/visits.cl) what that needs.
+    """
     ray = ("    uint ray_mask;\n" if buffers.features.visibility else "") + ("    uint ray_seed;\n" if buffers.features.opacity else "")
+    ray += "    visits_t *visits;\n" if counting else ""
     members = "".join(f"    global const {c_type} *{name};\n" for name, (c_type, _) in buffers.arrays.items())
     parameters = ["global float *path_floats", "global uint *path_uints", "uint path_stride", "global uint *queue_slots", "global uint *counters",
                   "uint capacity", "uint parity", "global float *sample_values", "uint sample_stride", "global const batch_t *batch"]
     parameters += [f"global const {c_type} *scene_{name}" for name, (c_type, _) in buffers.arrays.items()]
+    parameters += ["global uint *visit_counts"] if counting else []
     begin = ["local uint scratch[SCRATCH_SIZE] __attribute__((aligned(8)));", "scene_t scene;", "scene.batch = batch;"]
     begin += [f"scene.{name} = scene_{name};" for name in buffers.arrays]
     begin += ["path_t path = {path_floats, path_uints, path_stride};", "samples_t samples = {sample_values, sample_stride};",
+              *(["visits_t visits = {0u, 0u};", "scene.visits = &visits;"] if counting else []),
               "queues_t queues;", "queues.counters = counters;", "queues.capacity = capacity;"]
-    return (f"typedef struct {{\n    global const batch_t *batch;\n{ray}{members}}} scene_t;\n\n"
+    return (_COUNTING * counting + f"typedef struct {{\n    global const batch_t *batch;\n{ray}{members}}} scene_t;\n\n"
             "typedef struct {\n    global float *values;\n    uint stride;\n} samples_t;\n\n"
             "#ifdef QUEUES_COMPACTED\n"
             "typedef struct {\n    global uint *slots;\n    global uint *counters;\n    uint capacity;\n} queues_t;\n"
@@ -149,14 +164,16 @@ def generated_sources(buffers: SceneBuffers, policy: Policy) -> dict[str, str]:
     }
 
 
-def program_sources(buffers: SceneBuffers, policy: Policy) -> list[ProgramSource]:
-    """The programs of the stages that the scene needs, in the order in which they are launched."""
+def program_sources(buffers: SceneBuffers, policy: Policy, *, counting: bool = False) -> list[ProgramSource]:
+    """The programs of the stages that the scene needs, in the order in which they are launched; with ``counting`` those that trace count what
+    rays visit.
+    """
     features = buffers.features
-    prelude = (_defines(features, policy) + c_struct("batch_t", BATCH) + buffers.struct_source()
-               + _scene_struct(buffers))
+    structs = _defines(features, policy) + c_struct("batch_t", BATCH) + buffers.struct_source()
+    prelude, tracing = structs + _scene_struct(buffers), structs + _scene_struct(buffers, counting=counting)
     generated = generated_sources(buffers, policy)
     sources = [ProgramSource("generate", assemble("stages/generate.cl", prelude, generated)),
-               ProgramSource("extend", assemble("stages/extend.cl", prelude, generated))]
+               ProgramSource("extend", assemble("stages/extend.cl", tracing, generated))]
     if features.infinite_lights:
         sources.append(ProgramSource("escape", assemble("stages/escape.cl", prelude, generated)))
     if features.subsurface:
@@ -168,6 +185,6 @@ def program_sources(buffers: SceneBuffers, policy: Policy) -> list[ProgramSource
         bsdf = bsdf_source(kind, buffers.bsdf_parameters[kind], textured, features.bsdf_features[kind])
         sources.append(ProgramSource(f"shade[{kind}]", assemble("stages/shade.cl", prelude + own, generated | {"scene/bsdf.cl": bsdf})))
     if features.next_event_estimation:
-        sources.append(ProgramSource("connect", assemble("stages/connect.cl", prelude, generated)))
+        sources.append(ProgramSource("connect", assemble("stages/connect.cl", tracing, generated)))
     accumulate = _defines(features, policy) + c_struct("batch_t", BATCH)
     return [*sources, ProgramSource("accumulate", assemble("stages/accumulate.cl", accumulate))]

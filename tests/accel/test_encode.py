@@ -8,11 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lumiere.accel import FLAT_UP_TO, choose
+from lumiere.accel import FLAT_UP_TO, choose, layouts, preferring
 from lumiere.accel.build import MAX_DEPTH, Topology, build, half_area
 from lumiere.accel.bvh2 import Bvh2
-from lumiere.accel.bvh8 import WIDTH, Bvh8
+from lumiere.accel.bvh8 import Bvh8
+from lumiere.accel.collapse import WIDTH
+from lumiere.accel.cwbvh import Cwbvh, by_octant
 from lumiere.accel.flat import Flat
+from lumiere.errors import UsageError
 from lumiere.paths import cl_root
 
 RECORDS = np.zeros(0)
@@ -72,9 +75,11 @@ def test_what_a_reference_cannot_hold_is_refused() -> None:
         Bvh2().encode(replace(topology, order=too_many), RECORDS)
 
 
-def test_the_stack_is_as_deep_as_a_tree_may_be() -> None:
-    text = (cl_root() / "accel/bvh2_stack.cl").read_text(encoding="utf-8")
-    assert int(re.search(r"#define BVH2_STACK (\d+)", text)[1]) == MAX_DEPTH
+@pytest.mark.parametrize(("file", "name", "entries_a_level"), [("bvh2_stack", "BVH2_STACK", 1), ("bvh8_node", "BVH8_STACK", WIDTH - 1),
+                                                               ("cwbvh", "CWBVH_STACK", 1)])
+def test_the_stack_is_as_deep_as_a_tree_may_be(file: str, name: str, entries_a_level: int) -> None:
+    text = (cl_root() / f"accel/{file}.cl").read_text(encoding="utf-8")
+    assert int(re.search(rf"#define {name} (\d+)", text)[1]) >= MAX_DEPTH * entries_a_level
 
 
 def test_flat_keeps_the_order_and_takes_infinite_boxes() -> None:
@@ -89,8 +94,18 @@ def test_choose() -> None:
     assert choose("triangle", FLAT_UP_TO + 1, bounded=True, wide=False).name == "bvh2"
     assert choose("sphere", FLAT_UP_TO + 1, bounded=True, wide=True).name == "bvh2"
     assert choose("plane", 1000, bounded=False, wide=True).name == "flat"
-    for name in ("flat", "bvh2", "bvh8"):
+
+
+def test_every_layout_can_be_preferred() -> None:
+    assert set(layouts()) == {"flat", "bvh2", "bvh8", "cwbvh"}
+    for name, layout in layouts().items():
         assert (cl_root() / f"accel/{name}.cl").is_file()
+        for wide in (False, True):
+            assert preferring(name)("triangle", 100, bounded=True, wide=wide).name == name
+            assert preferring(name)("sphere", 100, bounded=True, wide=wide).name == ("bvh2" if layout.triangles_only else name)
+            assert preferring(name)("plane", 100, bounded=False, wide=wide).name == "flat"
+    with pytest.raises(UsageError, match="found the accelerator 'bvh3', expected one of bvh2, bvh8, cwbvh, flat"):
+        preferring("bvh3")
 
 
 def wide_nodes(topology: Topology) -> list[tuple[float, int]]:
@@ -138,3 +153,80 @@ def test_wide_nodes_and_blocks_are_well_filled() -> None:
     filled = [children for _, children in wide_nodes(topology)]
     assert np.mean(filled) > 0.65 * WIDTH
     assert len(lower) > 0.8 * WIDTH * np.count_nonzero(topology.leaves)
+
+
+def compressed_leaves(arrays: dict[str, np.ndarray]) -> list[tuple[int, int, np.ndarray]]:
+    """First primitive, count and box (2, 3) of every leaf of ``Cwbvh``, as the device decodes them, by a walk that visits each node once."""
+    nodes = arrays["nodes"]
+    parts = nodes.view(np.uint8)
+    found, waiting, visited = [], [0], 0
+    while waiting:
+        node = waiting.pop()
+        visited += 1
+        corner = nodes[node, :3].view(np.float32)
+        step = (parts[node, 12:15].astype(np.uint32) << 23).view(np.float32)
+        boxes = corner[:, None] + parts[node, 32:].reshape(2, 3, 8) * step[:, None]
+        rank = 0
+        for slot, meta in enumerate(parts[node, 24:32].tolist()):
+            place = meta & 31
+            assert bool(parts[node, 15] >> slot & 1) == (place >= 24)
+            if place >= 24:
+                assert meta == 1 << 5 | 24 + slot
+                waiting.append(int(nodes[node, 4]) + rank)
+                rank += 1
+            elif meta:
+                found.append((int(nodes[node, 5]) + place, (meta >> 5).bit_count(), boxes[:, :, slot]))
+    assert visited == len(nodes)
+    return found
+
+
+@pytest.mark.parametrize("n", [1, 2, 4, 5, 100, 5000])
+@pytest.mark.parametrize("scale", [1e-30, 1.0, 1e30])
+def test_cwbvh_holds_every_primitive_once_in_a_box_that_holds_it(n: int, scale: float) -> None:
+    random = np.random.default_rng(n)
+    lower = (scale * random.uniform(-1, 1, (n, 3))).astype(np.float32)
+    upper = lower + (scale * 0.01 * random.random((n, 3)) * random.integers(0, 2, (n, 3))).astype(np.float32)  # some are flat
+    topology = Cwbvh().build(lower, upper)
+    assert np.array_equal(np.sort(topology.order), np.arange(n))
+    arrays = Cwbvh().encode(topology, RECORDS)
+    assert arrays["nodes"].dtype == np.uint32 and arrays["nodes"].shape[1] == 20
+    held = np.zeros(n, int)
+    for first, count, box in compressed_leaves(arrays):
+        held[first : first + count] += 1
+        members = topology.order[first : first + count]
+        low, high = lower[members].min(axis=0), upper[members].max(axis=0)
+        slack = 2.0**-23 * (high - arrays["nodes"][0, :3].view(np.float32))  # what the device allows for the rounding of the decoded box
+        assert (box[0] <= low + slack).all() and (box[1] >= high - slack).all()
+    assert (held == 1).all()
+
+
+def test_cwbvh_boxes_are_tight() -> None:
+    """No more than a step of the node's grid wider than what they hold, on each side."""
+    lower = np.random.default_rng(1).random((3000, 3)).astype(np.float32)
+    topology = Cwbvh().build(lower, lower)
+    nodes = Cwbvh().encode(topology, RECORDS)["nodes"]
+    largest_step = (nodes.view(np.uint8)[:, 12:15].max(axis=0).astype(np.uint32) << 23).view(np.float32)
+    assert (largest_step <= 2.0 / 255.0).all()
+    for first, count, box in compressed_leaves({"nodes": nodes}):
+        members = lower[topology.order[first : first + count]]
+        assert (members.min(axis=0) - box[0] < largest_step).all() and (box[1] - members.max(axis=0) < largest_step).all()
+
+
+def test_children_lie_in_the_slots_of_their_octants() -> None:
+    """The eight unit cubes of a cube of edge 2: the slot's bits say on which side each is."""
+    lower = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij"), axis=-1).reshape(-1, 3).astype(np.float32)
+    lower = lower[np.random.default_rng(3).permutation(8)]
+    topology = build(lower, lower + 1, 1)
+    leaves = np.flatnonzero(topology.leaves)
+    slots = by_octant(topology, leaves[None].astype(np.int64))[0]
+    assert np.array_equal(topology.lower[slots] @ [4, 2, 1], np.arange(8))
+    few = by_octant(topology, np.where(np.arange(8) < 3, leaves, -1)[None].astype(np.int64))[0]
+    assert sorted(few[few >= 0]) == sorted(leaves[:3])
+
+
+def test_cwbvh_refuses_what_it_cannot_hold() -> None:
+    lower = np.random.default_rng(1).random((500, 3)).astype(np.float32)
+    with pytest.raises(ValueError, match="a leaf of 4 primitives, expected at most 3"):
+        Cwbvh().encode(build(np.zeros((4, 3)), np.zeros((4, 3)), max_leaf_size=4), RECORDS)
+    with pytest.raises(ValueError, match="found a node's leaves apart"):
+        Cwbvh().encode(build(lower, lower, max_leaf_size=3), RECORDS)

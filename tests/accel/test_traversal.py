@@ -65,7 +65,7 @@ def test_tree_and_list_agree(device: cl.Device, name: str) -> None:
     assert np.array_equal(plain.occluded(origins[:few], directions[:few]), expected[1] != NONE)
     for accelerator in TREES:
         if accelerator.name == "bvh8" and is_gpu(device):
-            continue  # never used there (tests/accel/conftest.py)
+            continue  # used there only where asked (tests/accel/conftest.py)
         tree = Tracer(device, triangles, accelerator)
         hits, primitives = tree.nearest(origins, directions)
         assert_same_hits((hits[:few], primitives[:few]), expected)
@@ -102,6 +102,27 @@ def test_rays_along_the_faces_of_boxes(device: cl.Device, tree: Accelerator) -> 
                 # On the border of a plane the ray runs along another plane's border, and may meet its far edge first.
                 inside = (u > 0) & (v > 0)
                 assert (hits[inside, 0] == abs(height)).all()
+
+
+@every_tree
+def test_rays_with_components_that_are_none_or_next_to_none(device: cl.Device, tree: Accelerator) -> None:
+    """Against the list, from near and from far: directions of which one or two components are 0, -0 or so small that they hardly count."""
+    random = np.random.default_rng(12)
+    triangles = random.uniform(-1, 1, (400, 1, 3)) + random.uniform(-0.3, 0.3, (400, 3, 3))
+    triangles[::2, :, 0] = triangles[::2, :1, 0]  # half of them flat along x
+    n = 30_000
+    _, directions = rays_around(triangles, n, random)
+    small = random.choice([0.0, -0.0, 1e-42, -1e-30, 1e-20, -1e-12, 1e-8, 1e-6], (n, 3))
+    which = np.arange(3) == random.integers(3, size=(n, 1))
+    which |= (np.arange(3) == random.integers(3, size=(n, 1))) & (random.random((n, 1)) < 0.5)
+    directions = np.where(which, small, directions)
+    targets = np.einsum("nv,nva->na", random.dirichlet([1, 1, 1], n), triangles[random.integers(400, size=n)])
+    origins = targets - directions * random.choice([0.1, 1.0, 30.0], (n, 1))
+    expected = Tracer(device, triangles, Flat()).nearest(origins, directions)
+    assert (expected[1] != NONE).mean() > 0.8
+    traced = Tracer(device, triangles, tree)
+    assert_same_hits(traced.nearest(origins, directions), expected)
+    assert np.array_equal(traced.occluded(origins, directions), expected[1] != NONE)
 
 
 @every_accelerator

@@ -7,15 +7,12 @@ from functools import cache
 import numpy as np
 import pyopencl as cl
 
-from lumiere.accel import PACKET_LAYOUTS, Accelerator
+from lumiere.accel import PACKET_LAYOUTS, Accelerator, layouts
 from lumiere.accel.build import Topology
-from lumiere.accel.bvh2 import Bvh2
-from lumiere.accel.bvh8 import Bvh8
-from lumiere.accel.flat import Flat
 from lumiere.device.source import assemble, template
 
-ACCELERATORS: list[Accelerator] = [Flat(), Bvh2(), Bvh8()]
-TREES = ACCELERATORS[1:]
+ACCELERATORS: list[Accelerator] = [layout() for layout in layouts().values()]
+TREES = [accelerator for accelerator in ACCELERATORS if accelerator.name != "flat"]
 
 SHAPE = """
 #include "shape/triangle_test.cl"

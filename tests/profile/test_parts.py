@@ -9,10 +9,12 @@ import pytest
 from lumiere.cli.main import main
 from lumiere.compile.features import Features
 from lumiere.profile.bins import bins
+from lumiere.profile.compiler import registers
 from lumiere.profile.observe import Launch
 from lumiere.profile.report import number
 from lumiere.profile.summary import gaps
-from lumiere.profile.traffic import Traffic, active_lines, path_traffic
+from lumiere.profile.traffic import Traffic, active_lines, path_traffic, queue_bytes
+from lumiere.wavefront.policy import Policy
 
 FEATURES = Features(shapes={}, bsdfs={"lambert": ()}, camera="perspective", sampler="sobol")
 
@@ -32,7 +34,24 @@ def test_a_field_counts_once_a_way() -> None:
             "x = path_get_direction(path, slot) + path_get_direction(&path, slot);\n"
             "path_set_direction(path, slot, x); path_set_depth(path, slot, 1u);\n"
             "#ifdef PATH_BSDF_PDF\npath_set_bsdf_pdf(path, slot, 0.0f);\n#endif\n")
-    assert path_traffic(text, FEATURES) == Traffic(read=12, written=16)
+    assert path_traffic("shade", text, FEATURES) == Traffic(read=12, written=16)
+    assert path_traffic("connect", text + "sample_add_radiance(&scene, x);\n", FEATURES) == Traffic(read=12, written=16, samples=24)
+    assert path_traffic("accumulate", "", FEATURES) == Traffic(read=0, written=0, samples=12)
+
+
+def test_lists_move_entries_and_tags_move_every_slot() -> None:
+    lists, tags = (Policy(compacted, 64, 1024, 1024, 2) for compacted in (True, False))
+    assert queue_bytes(lists, "extend", items=10, given=8, work_items=64) == 4 * (10 + 10)  # two paths have ended, and their slots are idle
+    assert queue_bytes(lists, "connect", items=10, given=0, work_items=64) == 4 * 10
+    assert queue_bytes(tags, "extend", items=10, given=8, work_items=1024) == 4 * (1024 + 10)
+    assert queue_bytes(tags, "generate", items=10, given=10, work_items=1024) == 4 * (2 * 1024 + 10)
+    assert queue_bytes(lists, "accumulate", items=10, given=0, work_items=64) == 0
+
+
+def test_registers_are_read_from_the_log() -> None:
+    log = "ptxas info    : 0 bytes gmem\nptxas info    : Compiling entry function 'extend' for 'sm_90'\n"
+    assert registers(log + "ptxas info    : Used 72 registers, 640 bytes cmem[0]\n") == 72
+    assert registers(log) is None
 
 
 def test_bins_are_means_of_counts_and_sums_of_times() -> None:
