@@ -115,11 +115,13 @@ def _keep(built: Build) -> None:
 
 
 def build_all(sources: Sequence[ProgramSource], context: Any, device: Any) -> list[Build]:
-    """Builds several programs side by side."""
+    """Builds several programs side by side, the longest first."""
     # Oclgrind's compiler does not survive company.
     workers = 1 if device.platform.name == "Oclgrind" else max(1, min(len(sources), os.cpu_count() or 1))
     with ThreadPoolExecutor(max_workers=workers) as pool:
-        builds = list(pool.map(lambda source: build(source, context, device), sources))
+        longest_first = sorted(sources, key=lambda source: len(source.text), reverse=True)
+        building = {source.name: pool.submit(build, source, context, device) for source in longest_first}
+    builds = [building[source.name].result() for source in sources]
     for built in builds:
         _keep(built)
     return builds
