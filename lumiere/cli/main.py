@@ -12,6 +12,7 @@ from typing import NoReturn
 
 import lumiere
 from lumiere.cli import devices, doctor, profile, render, trace_path, tradeoff, validate
+from lumiere.cli.interrupt import INTERRUPTED, NOTHING_WRITTEN
 from lumiere.errors import LumiereError, UsageError
 
 COMMANDS = (render, devices, validate, profile, tradeoff, doctor, trace_path)
@@ -51,8 +52,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.write(f"lumiere: {error}\n")
         return error.exit_status
     except KeyboardInterrupt:
-        sys.stderr.write("lumiere: interrupted; nothing written\n")
-        return render.INTERRUPTED
+        sys.stderr.write(NOTHING_WRITTEN)
+        return INTERRUPTED
     except BrokenPipeError:  # whoever read the output has gone, so nobody is left to tell
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1

@@ -67,9 +67,14 @@ class SceneBuffers:
 
 def compile_scene(scene: Scene, *, wide: bool = True,
                   choose_accelerator: Callable[[str, int, bool, bool], Accelerator] = choose) -> SceneBuffers:
-    """Compiles a validated scene, for a device with wide vectors (CPUs) or without. Raises SceneError where a file that it names is not what it
-    should be.
+    """Compiles a validated scene, for a device with wide vectors (CPUs) or without. Raises SceneError, which says where in the scene that is,
+    where a file that it names is not what it should be.
     """
+    with scene.placing_errors():
+        return _compile(scene, wide, choose_accelerator)
+
+
+def _compile(scene: Scene, wide: bool, choose_accelerator: Callable[[str, int, bool, bool], Accelerator]) -> SceneBuffers:
     objects, lights = lower(scene)
     # The layer `position` is in the file's coordinates, so with it the scene stays where it is.
     origin = None if "position" in scene.film.aovs else far_center(objects)
@@ -143,8 +148,9 @@ def lower(scene: Scene) -> tuple[list[Object], list[Light]]:
             lights.append(light)
         else:
             shapes.append(shape)
-    if sum(light.device_kind == "environment_image" for light in lights) > 1:
-        raise SceneError(f"{scene.path or 'scene'}: found several environments with a file, expected at most one")
+    pictures = [light for light in lights if light.device_kind == "environment_image"]
+    if len(pictures) > 1:
+        raise SceneError("found a second environment with a file, expected at most one", pictures[1])
     default = Lambert()
     occlusion = Lambert(albedo=(1.0, 1.0, 1.0)) if scene.integrator.type == "ambient_occlusion" else None
     objects = []

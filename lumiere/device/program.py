@@ -121,7 +121,7 @@ def build_all(sources: Sequence[ProgramSource], context: Any, device: Any) -> li
     with ThreadPoolExecutor(max_workers=workers) as pool:
         longest_first = sorted(sources, key=lambda source: len(source.text), reverse=True)
         building = {source.name: pool.submit(build, source, context, device) for source in longest_first}
-    builds = [building[source.name].result() for source in sources]
+        builds = [building[source.name].result() for source in sources]
     for built in builds:
         _keep(built)
     return builds
