@@ -30,13 +30,14 @@ sys.exit(command())
 
 def test_while_programs_compile_it_ends_the_process_at_once(device: cl.Device, tmp_path: Path) -> None:
     """Neither a driver's last words nor its exit status, which an exception that passes through it would bring."""
-    (tmp_path / "ball.json").write_text('{"scene": {"geometry": [{"type": "sphere"}]}}')
+    scene, picture = tmp_path / "ball.json", tmp_path / "ball.png"
+    scene.write_text('{"scene": {"geometry": [{"type": "sphere"}]}}')
     caches = {name: str(tmp_path / "caches") for name in ("LUMIERE_CACHE", "POCL_CACHE_DIR")}
-    process = subprocess.Popen([sys.executable, "-c", COMPILING, "render", "ball.json", "--device", str(index_of(device))], cwd=tmp_path, text=True,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    command = [sys.executable, "-c", COMPILING, "render", str(scene), "-o", str(picture), "--device", str(index_of(device))]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                env=os.environ | caches | {"PYTHONPATH": os.pathsep.join(sys.path)})
     assert process.stdout.readline() == "compiling\n"
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=60)
     assert (process.returncode, err) == (130, "lumiere: interrupted; nothing written\n")
-    assert not (tmp_path / "ball.png").exists()
+    assert not picture.exists()
