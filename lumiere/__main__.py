@@ -2,7 +2,7 @@
 
 import sys
 
-from lumiere.cli.main import main
+from lumiere.cli.main import command
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(command())

@@ -60,7 +60,7 @@ def render(scene: Scene | str | Path | dict[str, Any], *, spp: int | None = None
 
     job = Render(loaded, device, load_seconds=time.perf_counter() - begin)
     job.run(time_limit=time_limit, progress=progress, stop=stop, target_error=target_error, spp_limit=spp or MOST_SAMPLES)
-    options |= {"time_limit": time_limit, "target_error": target_error}
+    options |= {"device": device, "time_limit": time_limit, "target_error": target_error}
     return job.image({name: value for name, value in options.items() if value is not None})
 
 

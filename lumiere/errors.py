@@ -10,9 +10,14 @@ class LumiereError(Exception):
 
 
 class SceneError(LumiereError):
-    """The scene, or a file it names, is not as the format says."""
+    """The scene, or a file it names, is not as the format says. ``about`` is the shape, light or file (as the scene holds it) that is wrong,
+    where the text does not say where in the scene that stands."""
 
     exit_status = 2
+
+    def __init__(self, text: str, about: object = None) -> None:
+        super().__init__(text)
+        self.about = about
 
 
 class UsageError(LumiereError):

@@ -28,15 +28,18 @@ def read_image(path: str | os.PathLike[str]) -> np.ndarray:
     Of more than four channels R, G, B and A are taken. What lies outside an EXR's data window is 0. Values that are not finite are 0,
     and a warning says how many there were. Raises SceneError for a file that is not a whole picture.
     """
-    path = Path(path)
     try:
-        with path.open("rb"):
+        with Path(path).open("rb"):
             pass
     except OSError as error:
-        raise SceneError(f"{path}: found no picture that can be read ({error.strerror}), expected a file") from None
-    with _quiet():
-        pixels = _read(path)
-    return as_pixels(pixels, str(path))
+        raise SceneError(f"{path}: found no picture that can be read ({error.strerror}), expected a file", path) from None
+    try:
+        with _quiet():
+            pixels = _read(Path(path))
+        return as_pixels(pixels, str(path))
+    except SceneError as error:
+        error.about = path
+        raise
 
 
 def as_pixels(image: Any, name: str) -> np.ndarray:

@@ -146,7 +146,7 @@ class Render:
         return (LUMINANCE @ rows[:3].reshape(3, -1))[order], (LUMINANCE @ deviations)[order] / np.sqrt(np.maximum(self.counts - 1.0, 1.0))
 
     def image(self, options: dict[str, Any]) -> Image:
-        """The picture as it stands. ``options`` are what the call asked for, for the record."""
+        """The picture as it stands. ``options`` are what the call asked for, for the record, which has the scene's own for the others."""
         features, film = self.wavefront.buffers.features, self.scene.film
         rows = self.wavefront.film(self.width, self.height)
         counts = np.zeros(self.width * self.height)
@@ -181,6 +181,9 @@ class Render:
         x0, y0, _, _ = scene.film.window
         samples = int(self.counts.sum())
         seconds = {name: round(value, 4) for name, value in self.seconds.items()}
+        options = {"spp": scene.sampler.spp if self.outcome is None else None, "seed": scene.sampler.seed, "width": scene.film.width,
+                   "height": scene.film.height, "crop": scene.film.crop, "max_depth": scene.integrator.max_depth, "device": None,
+                   "time_limit": None, "target_error": None} | options
         return {
             "scene": str(scene.path) if scene.path else None, "scene_hash": scene.text_hash, "version": lumiere.__version__,
             "device": self.device.name.strip(), "driver": f"{self.device.platform.name} {self.device.driver_version}", "options": options,

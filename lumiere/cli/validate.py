@@ -19,9 +19,13 @@ def run(options: argparse.Namespace) -> int:
     """Reads the scene, its meshes and its pictures. Raises SceneError for the first thing that is wrong."""
     from lumiere import api
     from lumiere.compile.scene import compile_scene
+    from lumiere.compile.textures import TextureTable
 
     scene = api.load(options.scene)
     compile_scene(scene)
+    with scene.placing_errors():
+        for texture in scene.textures.values():  # also those that nothing uses
+            TextureTable().id(texture)
     counts = ", ".join(f"{len(things)} {noun}{'' if len(things) == 1 else 's'}" for noun, things in (
         ("shape", scene.geometry), ("light", scene.lights), ("material", scene.materials), ("texture", scene.textures)))
     sys.stdout.write(f"{options.scene}: valid ({counts})\n")

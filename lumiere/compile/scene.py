@@ -64,11 +64,15 @@ class SceneBuffers:
         return "\n".join(c_struct(name, dtype) for name, dtype in self.structs.items())
 
 
-def compile_scene(scene: Scene, *, wide: bool = True, packets: bool = False,
-                  choose_accelerator: Choice = choose) -> SceneBuffers:
+def compile_scene(scene: Scene, *, wide: bool = True, packets: bool = False, choose_accelerator: Choice = choose) -> SceneBuffers:
     """Compiles a validated scene, for a device with wide vectors (CPUs) or without; ``packets``: its queues let sixteen neighbours be traced
-    together. Raises SceneError where a file that the scene names is not what it should be.
+    together. Raises SceneError, which says where in the scene that is, where a file that it names is not what it should be.
     """
+    with scene.placing_errors():
+        return _compile(scene, wide, packets, choose_accelerator)
+
+
+def _compile(scene: Scene, wide: bool, packets: bool, choose_accelerator: Choice) -> SceneBuffers:
     objects, lights = lower(scene)
     # The layer `position` is in the file's coordinates, so with it the scene stays where it is.
     origin = None if "position" in scene.film.aovs else far_center(objects)
@@ -144,8 +148,9 @@ def lower(scene: Scene) -> tuple[list[Object], list[Light]]:
             lights.append(light)
         else:
             shapes.append(shape)
-    if sum(light.device_kind == "environment_image" for light in lights) > 1:
-        raise SceneError(f"{scene.path or 'scene'}: found several environments with a file, expected at most one")
+    pictures = [light for light in lights if light.device_kind == "environment_image"]
+    if len(pictures) > 1:
+        raise SceneError("found a second environment with a file, expected at most one", pictures[1])
     default = Lambert()
     occlusion = Lambert(albedo=(1.0, 1.0, 1.0)) if scene.integrator.type == "ambient_occlusion" else None
     objects = []

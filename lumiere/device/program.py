@@ -6,6 +6,7 @@ import hashlib
 import os
 import tempfile
 import time
+import warnings
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -115,11 +116,16 @@ def _keep(built: Build) -> None:
 
 
 def build_all(sources: Sequence[ProgramSource], context: Any, device: Any) -> list[Build]:
-    """Builds several programs side by side."""
+    """Builds several programs side by side, the longest first."""
+    import pyopencl as cl
+
     # Oclgrind's compiler does not survive company.
     workers = 1 if device.platform.name == "Oclgrind" else max(1, min(len(sources), os.cpu_count() or 1))
-    with ThreadPoolExecutor(max_workers=workers) as pool:
-        builds = list(pool.map(lambda source: build(source, context, device), sources))
+    with warnings.catch_warnings(), ThreadPoolExecutor(max_workers=workers) as pool:
+        warnings.simplefilter("ignore", cl.CompilerWarning)  # Intel's runtime keeps a log where all is well
+        longest_first = sorted(sources, key=lambda source: len(source.text), reverse=True)
+        building = {source.name: pool.submit(build, source, context, device) for source in longest_first}
+        builds = [building[source.name].result() for source in sources]
     for built in builds:
         _keep(built)
     return builds

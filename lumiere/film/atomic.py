@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import secrets
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from lumiere.errors import LumiereError, UsageError
 
 def _beside(path: Path) -> Path:
     """An unused hidden name in the same folder and with the same suffix, so that the rename stays on one file system."""
-    return path.with_name(f".{path.stem[:64]}.{secrets.token_hex(6)}{path.suffix}")
+    return path.with_name(f".{path.stem[:64]}.{os.urandom(6).hex()}{path.suffix}")
 
 
 def _create(path: Path) -> None:

@@ -102,7 +102,8 @@ def _write_8bit(image: Image, path: Path, exposure: float, tonemap: str) -> None
     if path.suffix.lower() == ".png":
         chunks = PIL.PngImagePlugin.PngInfo()
         chunks.add(b"sRGB", b"\0")  # perceptual intent (PNG specification, §11.3.2.5)
-        picture.save(encoded, "PNG", pnginfo=chunks)
+        # Level 4 takes half the time of zlib's default for 2 to 5 % more bytes, and none more where there is noise.
+        picture.save(encoded, "PNG", pnginfo=chunks, compress_level=4)
     else:
         picture.save(encoded, "JPEG", quality=95, subsampling="4:4:4")
     path.write_bytes(encoded.getbuffer())

@@ -5,11 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 
+def wrong_index(faces: np.ndarray, count: int) -> str | None:
+    """What is wrong with the indices of ``faces``, (m, 3) int, into ``count`` vertices, or None."""
+    if not len(faces) or (faces.min() >= 0 and faces.max() < count):
+        return None
+    worst = faces.max() if faces.max() >= count else faces.min()
+    return f"found a face with vertex {worst}, expected one of the {count} vertices{f', 0 to {count - 1}' if count else ''}"
+
+
 def clean(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, dict[str, int]]:
     """``faces`` without those that cannot be rendered, and how many of each sort those were (only sorts that occur).
 
-    ``vertices``: (n, 3) float; ``faces``: (m, 3) int. The sorts, a face counting for the first: ``out of range`` (an index of no vertex),
-    ``not finite`` (a coordinate that is NaN, or infinite as a float32), ``repeated index``, ``zero area`` (three vertices on a line).
+    ``vertices``: (n, 3) float; ``faces``: (m, 3) int, indices of vertices. The sorts, a face counting for the first: ``not finite`` (a
+    coordinate that is NaN, or infinite as a float32), ``repeated index``, ``zero area`` (three vertices on a line).
     """
     vertices, faces = np.asarray(vertices, np.float64), np.asarray(faces, np.int64).reshape(-1, 3)
     dropped = {}
@@ -20,7 +28,6 @@ def clean(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, dict[str
             dropped[sort] = int(np.count_nonzero(bad))
             faces = faces[~bad]
 
-    drop("out of range", ((faces < 0) | (faces >= len(vertices))).any(axis=1))
     with np.errstate(over="ignore"):
         finite = np.isfinite(vertices.astype(np.float32)).all(axis=1)
     if not finite.all():

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from lumiere.errors import SceneError
+from lumiere.meshfile.clean import wrong_index
 from lumiere.meshfile.part import MeshFileError, MeshPart
 
 
@@ -18,7 +19,7 @@ def load_mesh(path: str | Path, materials: bool = True) -> list[MeshPart]:
     through it. Without ``materials``, neither they nor the files that they name are read. Raises SceneError where the file cannot be read, is
     not what it says it is, names vertices or files that are not there, or holds no triangle.
     """
-    path = Path(path)
+    about, path = path, Path(path)
     try:
         with np.errstate(all="ignore"):  # NaN and infinities may be in the file; `clean` finds them
             parts = _reader(path)(path, materials)
@@ -27,11 +28,11 @@ def load_mesh(path: str | Path, materials: bool = True) -> list[MeshPart]:
         if not any(len(part.faces) for part in parts):
             raise MeshFileError("found no triangle, expected at least one")
     except MeshFileError as problem:
-        raise SceneError(f"{path}: {problem}") from None
+        raise SceneError(f"{path}: {problem}", about) from None
     except OSError as error:
-        raise SceneError(f"{path}: found that it cannot be read ({error.strerror or error}), expected a mesh file") from None
+        raise SceneError(f"{path}: found that it cannot be read ({error.strerror or error}), expected a mesh file", about) from None
     except MemoryError:
-        raise SceneError(f"{path}: found a mesh that does not fit into memory, expected a smaller one") from None
+        raise SceneError(f"{path}: found a mesh that does not fit into memory, expected a smaller one", about) from None
     return parts
 
 
@@ -56,6 +57,6 @@ def _check(part: MeshPart) -> None:
                                ("uvs", part.uvs, (count, 2)), ("colours", part.colors, (count, 3))):
         if array is not None and array.shape != shape:
             raise MeshFileError(f"found {name} of shape {array.shape}, expected {shape}")
-    if len(faces) and (faces.min() < 0 or faces.max() >= count):
-        worst = faces.max() if faces.max() >= count else faces.min()
-        raise MeshFileError(f"found a face with vertex {worst}, expected one of the {count} vertices, 0 to {count - 1}")
+    complaint = wrong_index(faces, count)
+    if complaint is not None:
+        raise MeshFileError(complaint)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lumiere.errors import SceneError
 from lumiere.filter import FILTERS, Filter
 from lumiere.scene.fields import boolean, choice, choices, integer, kind, nested, number, vector
 
@@ -99,8 +102,18 @@ class Scene:
     places: dict[int, str] = field(default_factory=dict, repr=False, compare=False)
 
     def place(self, thing: Any) -> str:
-        """Where ``thing``, a camera, material, texture, shape or light of this scene, was read: ``FILE:LINE:COLUMN: PATH``, for messages.
+        """Where ``thing``, a camera, material, texture, shape, light or file of this scene, was read: ``FILE:LINE:COLUMN: PATH``, for messages.
 
         Without a file it is the path alone; ``"the scene"`` for what was not read.
         """
         return self.places.get(id(thing), "the scene")
+
+    @contextlib.contextmanager
+    def placing_errors(self) -> Iterator[None]:
+        """Within the block a SceneError about something of this scene begins with its place."""
+        try:
+            yield
+        except SceneError as error:
+            if id(error.about) not in self.places:
+                raise
+            raise SceneError(f"{self.place(error.about)}: {error}") from None

@@ -31,7 +31,7 @@ class Reader:
     """Reads the objects of one scene, whose relative file names stand for files in the folder ``base``.
 
     ``materials`` and ``textures`` are the scene's objects of those names; each entry is read once, when it is first asked for.
-    ``places`` tells where each object was read.
+    ``places`` tells where each object, and each file's name, was read.
     """
 
     def __init__(self, base: Path, materials: Node | None = None, textures: Node | None = None) -> None:
@@ -162,6 +162,7 @@ class Reader:
         try:
             if path.is_file():
                 if os.access(path, os.R_OK):
+                    self.places[id(path)] = node.place()
                     return path
                 raise node.error(f"found {quote(name)}, which may not be read, expected a readable file")
             missing = "is a directory" if path.is_dir() else "does not exist"

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from lumiere.errors import SceneError
+from lumiere.meshfile.clean import wrong_index
 from lumiere.scene.fields import array, boolean, file
 from lumiere.shape import SHAPES, Primitives, Shape
 from lumiere.shape.triangle import triangles
@@ -18,7 +19,7 @@ from lumiere.shape.triangle import triangles
 class Mesh(Shape):
     """Triangles from a file (whatever trimesh loads) or given in place.
 
-    Triangles with vertices that are not finite, out-of-range or repeated indices are dropped, and counted in the record.
+    Triangles with vertices that are not finite, with repeated indices or without an area are dropped, and counted in the record.
     """
 
     type: ClassVar[str] = "mesh"
@@ -42,7 +43,7 @@ class Mesh(Shape):
         for name, values in (("normals", self.normals), ("uvs", self.uvs)):
             if values is not None and len(values) != len(self.vertices):
                 return f"found {len(values)} {name} for {len(self.vertices)} vertices, expected one a vertex"
-        return None
+        return wrong_index(self.faces, len(self.vertices))
 
     def lower(self) -> list[Primitives]:
         from lumiere.compile.filematerial import material_of
@@ -66,5 +67,5 @@ class Mesh(Shape):
                 primitives.material = material_of(part.material)
             lowered.append(primitives)
         if not any(len(primitives.records) for primitives in lowered):
-            raise SceneError(f"{self.file or 'inline mesh'}: found no usable triangle, expected at least one")
+            raise SceneError("found no usable triangle, expected at least one", self)
         return lowered

@@ -79,11 +79,11 @@ def listed(chosen: np.ndarray, first_samples: np.ndarray, more: np.ndarray, capa
 @lru_cache(maxsize=1)
 def pixel_order(width: int, height: int) -> np.ndarray:
     """(width · height,) index y · width + x of the pixel with each number: tiles of 8 × 8, row after row (``film_sample`` in cl/lib/sampler.cl)."""
-    y, x = np.divmod(np.arange(width * height), width)
+    y, x = np.arange(height)[:, None], np.arange(width)
     band_height = np.minimum(8, height - y // 8 * 8)
     tile_width = np.minimum(8, width - x // 8 * 8)
     number = (y // 8) * 8 * width + (x // 8) * 8 * band_height + (y % 8) * tile_width + x % 8
     order = np.zeros(width * height, dtype=np.int64)
-    order[number] = np.arange(width * height)
+    order[number.ravel()] = np.arange(width * height)
     order.flags.writeable = False  # shared with every caller
     return order

@@ -343,3 +343,10 @@ def test_main_takes_its_arguments_from_the_process(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(sys, "argv", ["lumiere", "render", "none.json"])
     assert main() == 2
     assert capsys.readouterr().err.startswith("lumiere: none.json: ")
+
+
+@pytest.mark.parametrize(("arguments", "status", "said"), [(["--version"], 0, "lumiere 0.1.0\n"), (["validate", "none.json"], 2, "")])
+def test_the_process_ends_with_the_commands_status(tmp_path: Path, arguments: list[str], status: int, said: str) -> None:
+    done = subprocess.run([sys.executable, "-m", "lumiere", *arguments], cwd=tmp_path, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+                          capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (status, said) and "Traceback" not in done.stderr

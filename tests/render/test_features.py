@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import re
 from collections.abc import Callable
 
@@ -10,13 +11,14 @@ import pyopencl as cl
 import pytest
 
 from lumiere.compile.scene import SceneBuffers, compile_scene
+from lumiere.film.record import record_json
 from lumiere.paths import cl_root
 from lumiere.scene.load import load
 from lumiere.wavefront.policy import Policy
 from lumiere.wavefront.source import program_sources
 from lumiere.wavefront.state import path_fields, path_source
 from tests.render.preprocess import active_lines
-from tests.render.scenes import Json, render
+from tests.render.scenes import Json, index_of, render
 
 DENSE = Policy(compacted=False, work_group=64, slots=4096, batch=1 << 16, rounds=8)
 
@@ -120,9 +122,26 @@ def test_record_says_what_was_built(device: cl.Device) -> None:
     assert not set(features) & {"lights", "infinite_lights", "textures", "opacity", "visibility", "normal_map", "bump_map", "eta_scale", "camera_lens",
                                 "clamp_indirect", "aovs", "filter_table", "vertex_normals", "surface_uv"}
     assert [kernel["name"] for kernel in record["kernels"]] == ["generate", "extend", "shade[lambert]", "connect", "accumulate"]
-    again = render(device, changed(lambda s: s["materials"]["white"].update(albedo=0.7)), spp=2).record
+    other_values = ("colour", "power", "camera moved", "field of view", "resolution", "crop")
+    again = render(device, changed(lambda s: [VALUES[name](s) for name in other_values]), spp=2).record
     assert all(kernel["reason"].startswith("none") for kernel in again["kernels"]), "a value built a program anew"
     assert again["bytes_per_path"] == record["bytes_per_path"] > 0
+
+
+def test_the_record_says_how_the_picture_was_made(device: cl.Device) -> None:
+    from_above = changed(lambda s: s["camera"].update(position=[0, 3, 4]))
+    record = json.loads(record_json(render(device, from_above, spp=3, max_depth=2, crop=(4, 2, 12, 12)).record))
+    assert set(record) == {"scene", "scene_hash", "version", "device", "driver", "options", "spp", "seed", "features", "bias", "kernels", "bytes_per_path",
+                           "paths_in_flight", "seconds", "samples_per_second", "rays", "triangles_dropped", "memory", "non_finite"}
+    assert record["options"] == {"spp": 3, "seed": 0, "width": 16, "height": 16, "crop": [4, 2, 12, 12], "max_depth": 2, "device": index_of(device),
+                                 "time_limit": None, "target_error": None}
+    seconds = record["seconds"]
+    assert list(seconds) == ["load", "accelerator", "compile", "render", "total"]
+    assert seconds["render"] > 0.0 and seconds["total"] == pytest.approx(sum(seconds.values()) - seconds["total"], abs=1e-3)
+    assert record["samples_per_second"] == pytest.approx(3 * 80 / seconds["render"], rel=0.2)
+    assert record["rays"]["nearest"] >= 3 * 80 and record["rays"]["shadow"] > 0
+    assert record["memory"]["host_peak"] > record["memory"]["device_peak"] > 4 * record["bytes_per_path"]
+    assert record["device"] == device.name.strip() and len(record["scene_hash"]) == 64
 
 
 VALUES: dict[str, Callable[[Json], None]] = {
