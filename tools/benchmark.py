@@ -29,8 +29,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from benchmark_mitsuba import Peer, export  # noqa: E402
-from benchmark_scene import displaced_spheres  # noqa: E402
-from benchmark_scene import scene as spheres_scene  # noqa: E402
+from benchmark_scene import Spheres, write_spheres  # noqa: E402
 
 import lumiere  # noqa: E402
 
@@ -110,14 +109,6 @@ def starts(effort: Effort, device: str | None, folder: Path) -> dict[str, Any]:
     cold = [start_seconds(folder / f"cold-{i}", device, effort.start_options) for i in range(effort.cold_starts)]
     warm = [start_seconds(folder / f"cold-{effort.cold_starts - 1}", device, effort.start_options) for _ in range(effort.starts)]
     return {"import": figure([import_seconds() for _ in range(effort.starts)], "s"), "cold start": figure(cold, "s"), "warm start": figure(warm, "s")}
-
-
-def write_spheres(effort: Effort, folder: Path) -> Path:
-    """The scene of many triangles."""
-    displaced_spheres(effort.spheres, effort.faces).export(folder / "spheres.ply")
-    path = folder / "spheres.json"
-    path.write_text(json.dumps(spheres_scene("spheres.ply", *effort.million)), encoding="utf-8")
-    return path
 
 
 def prepare(path: Path, size: tuple[int, int], spp: int, device: str | None) -> Any:
@@ -262,7 +253,7 @@ def measure(device: str | None, quick: bool, peer_python: str | None) -> dict[st
         tell("starts")
         told["start"] = starts(effort, device, folder)
         tell("many triangles")
-        spheres = write_spheres(effort, folder)
+        spheres = write_spheres(folder / "spheres", Spheres(effort.spheres, effort.faces), effort.million)
         told["preparation"] = preparation(spheres, effort, device)
         tell("Cornell box")
         told["cornell"] = speed(CORNELL, effort.cornell, effort, device, peers, folder / "cornell")

@@ -142,25 +142,28 @@ def generated_sources(buffers: SceneBuffers, policy: Policy) -> dict[str, str]:
     }
 
 
+def prelude(buffers: SceneBuffers, policy: Policy) -> str:
+    """What stands above every stage that reads the scene: macros, structs, ``scene_t``."""
+    return _defines(buffers.features, policy) + c_struct("batch_t", BATCH) + buffers.struct_source() + _scene_struct(buffers)
+
+
 def program_sources(buffers: SceneBuffers, policy: Policy) -> list[ProgramSource]:
     """The programs of the stages that the scene needs, in the order in which they are launched."""
     features = buffers.features
-    prelude = (_defines(features, policy) + c_struct("batch_t", BATCH) + buffers.struct_source()
-               + _scene_struct(buffers))
-    generated = generated_sources(buffers, policy)
-    sources = [ProgramSource("generate", assemble("stages/generate.cl", prelude, generated)),
-               ProgramSource("extend", assemble("stages/extend.cl", prelude, generated))]
+    above, generated = prelude(buffers, policy), generated_sources(buffers, policy)
+    sources = [ProgramSource("generate", assemble("stages/generate.cl", above, generated)),
+               ProgramSource("extend", assemble("stages/extend.cl", above, generated))]
     if features.infinite_lights:
-        sources.append(ProgramSource("escape", assemble("stages/escape.cl", prelude, generated)))
+        sources.append(ProgramSource("escape", assemble("stages/escape.cl", above, generated)))
     if features.subsurface:
-        sources.append(ProgramSource("scatter", assemble("stages/scatter.cl", prelude, generated)))
+        sources.append(ProgramSource("scatter", assemble("stages/scatter.cl", above, generated)))
     for number, (kind, textured) in enumerate(features.bsdfs.items()):
         specular = kind in features.specular_bsdfs
         own = f"#define QUEUE_SHADE QUEUE_SHADE_{number}\n"
         own += "#define NEXT_EVENT_ESTIMATION\n" if features.next_event_estimation and not specular else ""
         bsdf = bsdf_source(kind, buffers.bsdf_parameters[kind], textured, features.bsdf_features[kind])
-        sources.append(ProgramSource(f"shade[{kind}]", assemble("stages/shade.cl", prelude + own, generated | {"scene/bsdf.cl": bsdf})))
+        sources.append(ProgramSource(f"shade[{kind}]", assemble("stages/shade.cl", above + own, generated | {"scene/bsdf.cl": bsdf})))
     if features.next_event_estimation:
-        sources.append(ProgramSource("connect", assemble("stages/connect.cl", prelude, generated)))
+        sources.append(ProgramSource("connect", assemble("stages/connect.cl", above, generated)))
     accumulate = _defines(features, policy) + c_struct("batch_t", BATCH)
     return [*sources, ProgramSource("accumulate", assemble("stages/accumulate.cl", accumulate))]
