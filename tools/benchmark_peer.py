@@ -72,7 +72,7 @@ class RendererPeer(Peer):
         empty = folder / "no OpenCL"  # LuxCore looks at every OpenCL device and some kill it; no peer needs one
         empty.mkdir(exist_ok=True)
         super().__init__([python, str(HERE / renderer.file), str(folder)], os.environ | {"OCL_ICD_VENDORS": str(empty)})
-        self.folder = folder
+        self.written = (folder / renderer.file).with_suffix(".npy")
 
     def render(self, seed: int, spp: int) -> float:
         """Seconds of ``spp`` samples a pixel; the picture is then to be had from ``picture``."""
@@ -80,7 +80,7 @@ class RendererPeer(Peer):
 
     def picture(self) -> np.ndarray:
         """(height, width, 3) float32: the last one rendered."""
-        return np.load(self.folder / "picture.npy")
+        return np.load(self.written)
 
 
 def interpreter(renderer: Renderer, pythons: Sequence[str]) -> str | None:
@@ -192,5 +192,5 @@ def serve(start: Callable[[Told], tuple[str, Callable[[int, int], tuple[float, n
     for line in sys.stdin:
         seed, spp = (int(word) for word in line.split())
         seconds, picture = render(seed, spp)
-        np.save(told.folder / "picture.npy", np.asarray(picture, np.float32))
+        np.save((told.folder / Path(sys.argv[0]).name).with_suffix(".npy"), np.asarray(picture, np.float32))
         print(seconds, file=answers, flush=True)

@@ -1,16 +1,17 @@
 """Rays a second: primary, bounce and any-hit rays through the accelerators, beside Embree's single-ray calls on the same rays.
 
-    python tools/benchmark_rays.py [--device D] [--scenes million 20k cornell] [--layouts] [--embree] [--peer-python P] [--json F]
+    python tools/benchmark_rays.py [--device D] [--scenes million 20k cornell] [--layouts] [--fast-test] [--embree] [--peer-python P ...] [--json F]
 
 Primary rays go through the pixels' centres of a square picture, in tiles of 8 × 8. From what they meet start the bounce rays, cosine-distributed about
 the normal, and the any-hit rays: to points on the lamps, or, where the sky is the light, in directions uniform over the hemisphere. They stay in that order.
 
 Ours are traced by the functions that `extend` and `connect` call, in a kernel that does nothing else (tools/benchmark_trace.cl), built with the
-macros, attributes and work-group size of a render on that device; `--layouts` adds every other layout that can hold the triangles. Times are those of
-OpenCL events, after one launch that is not counted. Embree's are traced by tools/benchmark_embree.c, compiled when asked for (`cc -O3 -march=native`)
-and run as a process of its own with as many threads as this process may use cores: rtcIntersect1 and rtcOccluded1 ray by ray, since the calls of
-Embree's Python bindings run on one thread and build arrays. Its library is that of `pip install embreex` in the interpreter `--peer-python`. It has
-no robust flag and its default build quality, so its test is the fast one; `--embree robust` adds a scene with RTC_SCENE_FLAG_ROBUST.
+macros, attributes and work-group size of a render on that device; `--layouts` adds every other layout that can hold the triangles, and `--fast-test`
+bvh8 with Möller and Trumbore's test in place of the watertight one (tools/fast_test/, not part of the renderer). Times are those of OpenCL events,
+after one launch that is not counted. Embree's are traced by tools/benchmark_embree.c, compiled when asked for (`cc -O3 -march=native`) and run as a
+process of its own with as many threads as this process may use cores: rtcIntersect1 and rtcOccluded1 ray by ray, since the calls of Embree's Python
+bindings run on one thread and build arrays. Its library is that of `pip install embreex` in an interpreter of `--peer-python`. It has no robust flag
+and its default build quality, so its test is the fast one; `--embree robust` adds a scene with RTC_SCENE_FLAG_ROBUST.
 
 All take turns, run after run. A ratio is the median over the runs of ours by theirs. `agree`: the share of rays for which ours and Embree's meet
 something at the same distance to one in a thousand, or both nothing.
@@ -26,7 +27,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -51,10 +52,10 @@ NONE = 0xFFFFFFFF
 
 @dataclass(frozen=True)
 class Way:
-    """One way to trace: ``layout``, or None for what the device gets, with files of ``cl/`` replaced by other texts."""
+    """One way to trace: triangles in ``accelerator``, or None for what the device gets, with files of ``cl/`` replaced by other texts."""
 
     name: str
-    layout: str | None = None
+    accelerator: Callable[[], Any] | None = None
     replaced: Mapping[str, str] | None = None
 
 
@@ -67,7 +68,6 @@ class Tracer:
         from lumiere.accel import choose
         from lumiere.compile.scene import compile_scene
         from lumiere.device.source import assemble
-        from lumiere.tradeoff.settings import layouts
         from lumiere.wavefront.policy import is_gpu, policy_for
         from lumiere.wavefront.source import generated_sources, prelude
         from lumiere.wavefront.state import words_per_path
@@ -75,11 +75,12 @@ class Tracer:
         self.queue = queue
 
         def chosen(shape: str, count: int, bounded: bool, wide: bool) -> Any:
-            return layouts()[way.layout]() if way.layout is not None and shape == "triangle" else choose(shape, count, bounded, wide)
+            return way.accelerator() if way.accelerator is not None and shape == "triangle" else choose(shape, count, bounded, wide)
 
         buffers = compile_scene(scene, wide=not is_gpu(device), choose_accelerator=chosen)
         self.layout, self.seconds = buffers.features.shapes["triangle"], buffers.seconds["accelerator"]
         self.vertices = buffers.arrays["triangle_vertices"][1].reshape(-1, 3, 3)
+        self.fill = node_fill(buffers.arrays)
         self.bytes = sum(array.nbytes for name, (_, array) in buffers.arrays.items() if name.startswith("triangle_"))
         policy = policy_for(device, 1 << 26, 4 * sum(words_per_path(buffers.features)), 4 * buffers.features.channel_count())
         self.group = policy.work_group
@@ -87,7 +88,7 @@ class Tracer:
         begin = "scene_t scene; " + " ".join(f"scene.{name} = scene_{name};" for name in buffers.arrays)
         above = prelude(buffers, policy) + f"#define SCENE_PARAMETERS {parameters}\n#define SCENE_BEGIN {begin}\n"
         text = (HERE / "benchmark_trace.cl").read_text(encoding="utf-8")
-        generated = generated_sources(buffers, policy) | {"trace.cl": text} | dict(way.replaced or {})
+        generated = generated_sources(buffers, policy) | {"trace.cl": text} | (way.replaced or {})
         program = cl.Program(context, assemble("trace.cl", above, generated)).build()
         self.kernels = {how: cl.Kernel(program, f"trace_{how}_hits") for how in ("nearest", "any")}
         flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
@@ -201,15 +202,16 @@ class Embree(Peer):
         return np.fromfile(self.folder / f"{rays.kind}.out", np.float32)
 
 
-def embree(python: str, folder: Path) -> Callable[[np.ndarray, list[Rays], Path, bool], Embree] | None:
+def embree(pythons: Sequence[str], folder: Path) -> Callable[[np.ndarray, list[Rays], Path, bool], Embree] | None:
     """Starts Embree on triangles and rays; None, and a word about it, where it or a C compiler cannot be had."""
     code = ("import glob, importlib.util as u; s = u.find_spec('embreex'); "
             "print(*(glob.glob(s.submodule_search_locations[0] + '.libs/libembree4*') if s else []))")
-    library = subprocess.run([python, "-c", code], capture_output=True, text=True, check=False).stdout.strip()
+    found = (subprocess.run([python, "-c", code], capture_output=True, text=True, check=False).stdout.strip() for python in pythons)
+    library = next((path for path in found if path), None)
     compiler = shutil.which("cc")
     if not library or not compiler:
-        missing = f"Embree, which {python} has not got; get it with `pip install embreex`" if not library else "Embree, for want of a C compiler `cc`"
-        tell(f"left out: {missing}")
+        tell("left out: Embree" + (", for want of a C compiler `cc`" if library else f", which {' or '.join(pythons)} has not got; get it with "
+                                                                                     "`pip install embreex`"))
         return None
     program = folder / "benchmark_embree"
     subprocess.run([compiler, "-O3", "-march=native", "-pthread", str(HERE / "benchmark_embree.c"), "-o", str(program), "-ldl"], check=True)
@@ -234,19 +236,38 @@ def agreement(rays: Rays, ours: np.ndarray, theirs: np.ndarray) -> float:
     return float(np.mean(near | (np.isinf(ours) & np.isinf(theirs))))
 
 
-def ways(device: Any, count: int, every: bool) -> list[Way]:
-    """The device's own way, and with ``every`` all other layouts that can hold ``count`` triangles."""
+def ways(device: Any, count: int, every: bool, fast_test: bool) -> list[Way]:
+    """The device's own way; with ``every`` all other layouts that can hold ``count`` triangles; and with ``fast_test`` bvh8 with the fast test."""
     from lumiere.accel import choose
     from lumiere.tradeoff.settings import layouts
     from lumiere.wavefront.policy import is_gpu
 
     own = choose("triangle", count, True, not is_gpu(device)).name
-    others = [name for name in layouts() if name != own and (name != "flat" or count <= FLAT_AT_MOST)] if every else []
-    return [Way(own), *(Way(name, name) for name in others)]
+    found = [Way(own)]
+    if every:
+        found += [Way(name, layout) for name, layout in layouts().items() if name != own and (name != "flat" or count <= FLAT_AT_MOST)]
+    if fast_test:
+        texts = {to: (HERE / "fast_test" / Path(to).name).read_text(encoding="utf-8") for to in ("accel/bvh8_block.cl", "shape/triangle_test.cl")}
+        found.append(Way("bvh8, fast test", _edges, texts))
+    return found
 
 
-def measure(path: Path, device: Any, size: int, runs: int, every_layout: bool, peer: Callable[..., Embree] | None, robust: bool,
-            folder: Path) -> dict[str, Any]:
+def _edges() -> Any:
+    """The accelerator bvh8 with blocks as the fast test wants them: vertex 0, and the edges from it to the others."""
+    from lumiere.accel.bvh8 import Bvh8
+
+    class Edges(Bvh8):
+        def encode(self, topology: Any, records: np.ndarray) -> dict[str, np.ndarray]:
+            arrays = super().encode(topology, records)
+            blocks = arrays["blocks"].reshape(-1, 3, 3, 8)
+            blocks[:, 1:] -= blocks[:, :1]
+            return arrays
+
+    return Edges()
+
+
+def measure(path: Path, device: Any, size: int, runs: int, every_layout: bool, fast_test: bool,
+            peer: Callable[..., Embree] | None, robust: bool, folder: Path) -> dict[str, Any]:
     """Figures of the scene at ``path``: by kind of rays, for each way and peer."""
     import pyopencl as cl
 
@@ -256,7 +277,7 @@ def measure(path: Path, device: Any, size: int, runs: int, every_layout: bool, p
     context = cl.Context([device])
     queue = cl.CommandQueue(context, device, cl.command_queue_properties.PROFILING_ENABLE)
     count = sum(len(part.records) for shape in scene.geometry for part in shape.lower())
-    tracers = {way.name: Tracer(scene, device, context, queue, way) for way in ways(device, count, every_layout)}
+    tracers = {way.name: Tracer(scene, device, context, queue, way) for way in ways(device, count, every_layout, fast_test)}
     own = next(iter(tracers))
     rays = all_rays(scene, tracers[own], size, context, queue)
     peers = []
@@ -264,6 +285,7 @@ def measure(path: Path, device: Any, size: int, runs: int, every_layout: bool, p
         peers = [peer(tracers[own].vertices, rays, folder / f"embree-{path.stem}-{flag}", flag) for flag in ([False, True] if robust else [False])]
     everyone: dict[str, Any] = tracers | {other.name: other for other in peers}
     told: dict[str, Any] = {"triangles": count, "own": own, "bytes a triangle": {name: t.bytes / count for name, t in tracers.items()},
+                            "node fill": {name: t.fill for name, t in tracers.items() if t.fill is not None},
                             "build, s": {name: who.seconds for name, who in everyone.items()}, "kinds": {}}
     for some in rays:
         agree: dict[str, float] = {}
@@ -285,6 +307,12 @@ def measure(path: Path, device: Any, size: int, runs: int, every_layout: bool, p
     return told
 
 
+def node_fill(arrays: Mapping[str, tuple[str, np.ndarray]]) -> float | None:
+    """The share of bvh8's child slots that hold one; None for other layouts."""
+    nodes = arrays.get("triangle_nodes")
+    return float(np.isfinite(nodes[1][:, 0]).mean()) if nodes is not None and nodes[1].ndim == 3 else None
+
+
 def table(told: dict[str, Any]) -> str:
     """The figures of all scenes as a Markdown table."""
     lines = ["| scene | rays | by | Mrays/s | least | most | by Embree | agree |", "|---|---|---|---|---|---|---|---|"]
@@ -302,8 +330,9 @@ def main() -> None:
     parser.add_argument("--device", help="number or part of a name from `lumiere devices` (default: the best)")
     parser.add_argument("--scenes", nargs="+", choices=list(SCENES), default=["million", "20k", "cornell"])
     parser.add_argument("--layouts", action="store_true", help="also every other layout")
+    parser.add_argument("--fast-test", action="store_true", help="also bvh8 with a triangle test that is not watertight")
     parser.add_argument("--embree", nargs="?", const="fast", choices=["fast", "robust"], help="beside Embree; robust: also with its robust test")
-    parser.add_argument("--peer-python", default=sys.executable, help="interpreter that has embreex (default: this one)")
+    parser.add_argument("--peer-python", nargs="+", default=[sys.executable], help="interpreters, one of which has embreex (default: this one)")
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--size", type=int, help="pixels of width and height, a multiple of 8 (default: 1024, on a GPU 2896)")
     parser.add_argument("--json", type=Path, help="write all figures to this file")
@@ -319,7 +348,8 @@ def main() -> None:
         peer = embree(options.peer_python, folder) if options.embree else None
         for scene in options.scenes:
             begin = time.perf_counter()
-            told[scene] = measure(write(scene, folder), device, size, options.runs, options.layouts, peer, options.embree == "robust", folder)
+            told[scene] = measure(write(scene, folder), device, size, options.runs, options.layouts, options.fast_test, peer,
+                                  options.embree == "robust", folder)
             tell(f"{scene}: {time.perf_counter() - begin:.0f} s")
     print(f"{device.name.strip()} ({device.platform.name} {device.driver_version})\n\n{table(told)}")
     if options.json:
