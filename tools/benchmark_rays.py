@@ -38,7 +38,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 
-from benchmark_figure import figure, tell  # noqa: E402
+from benchmark_figure import figure, let_rest, tell  # noqa: E402
 from benchmark_peer import Peer  # noqa: E402
 from benchmark_scene import SCENES, write  # noqa: E402
 
@@ -297,6 +297,7 @@ def measure(path: Path, device: Any, size: int, runs: int, every_layout: bool, f
         times: dict[str, list[float]] = {name: [] for name in everyone}
         for _ in range(runs):
             for name, who in everyone.items():
+                let_rest()
                 times[name].append(who.trace(some))
         rates = {name: figure([some.count / seconds for seconds in values], "1/s") for name, values in times.items()}
         told["kinds"][some.kind] = {

@@ -10,7 +10,7 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-from benchmark_figure import figure, tell
+from benchmark_figure import figure, let_rest, tell
 from benchmark_peer import RENDERERS, RendererPeer, export, interpreter
 
 MAX_DEPTH = 7
@@ -133,9 +133,11 @@ def speed(path: Path, size: tuple[int, int], runs: int, seconds: float, device: 
     for seed in range(1, runs + 1):
         render.restart(seed)
         wavefront.finish()
+        let_rest()
         render.run()
         ours.append(render.samples / render.seconds["render"])
         for peer in others:
+            let_rest()
             theirs[peer.name].append(pixels * spps[peer.name] / peer.render(seed, spps[peer.name]))
     picture = render.image({}).pixels
     wavefront.queue = with_events
