@@ -1,11 +1,14 @@
-"""Measures Lumière: its start, a million triangles, and samples and rays a second on two scenes; with --peers beside other renderers.
+"""Measures Lumière: its start, a million triangles, rays and samples a second, noise; with --peers beside other renderers and Embree.
 
-    python tools/benchmark.py [--device D] [--json F] [--peers] [--quick]
+    python tools/benchmark.py [--device D] [--json F] [--peers] [--peer-python P ...] [--parts PART ...] [--scenes SCENE ...] [--layouts] [--quick]
 
-Every figure is the median of several runs, with the least and the most. Renderers take turns, so that a machine that slows down slows all.
-Both scenes are rendered with at most 7 scattering events and no roulette. Mitsuba needs `pip install mitsuba` and, on a CPU, DRJIT_LIBLLVM_PATH,
-the file of an LLVM library (19 works; 15 crashes in it); --peer-python names another interpreter that has Mitsuba. The means of the pictures stand
-beside each other to show that the scenes are the same.
+Every figure is the median of five runs, with the least and the most. Renderers take turns, so that a machine that slows down slows all. Scenes are
+rendered with at most 7 scattering events and no roulette; peers (tools/benchmark_peer.py) render the same, at the same resolution, with light sampling,
+without denoiser or adaptive sampling, on as many threads. How far their pictures are from ours stands beside them, to show that the scenes are the same.
+Mitsuba on a CPU needs DRJIT_LIBLLVM_PATH, the file of an LLVM library (19 works; 15 crashes in it). How rays are measured: tools/benchmark_rays.py; noise:
+tools/sampler_error.py; what is aimed at: tools/benchmark_bars.py.
+
+It takes minutes. --parts and --scenes measure less at a time; records of the same device made with --json are put together by --merge.
 """
 
 from __future__ import annotations
@@ -14,65 +17,51 @@ import argparse
 import json
 import os
 import platform
-import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from benchmark_mitsuba import Peer, export  # noqa: E402
-from benchmark_scene import displaced_spheres  # noqa: E402
-from benchmark_scene import scene as spheres_scene  # noqa: E402
+import benchmark_bars  # noqa: E402
+import benchmark_rays  # noqa: E402
+from benchmark_figure import tell  # noqa: E402
+from benchmark_peer import RENDERERS, interpreter  # noqa: E402
+from benchmark_render import MAX_DEPTH, benchmark_scene, preparation, speed  # noqa: E402
+from benchmark_scene import SCENES, write  # noqa: E402
+from benchmark_start import starts  # noqa: E402
 
 import lumiere  # noqa: E402
 
-CORNELL = ROOT / "scenes" / "cornell.json"
-
-MAX_DEPTH = 7
-
-CACHES = ("LUMIERE_CACHE", "POCL_CACHE_DIR", "XDG_CACHE_HOME", "CUDA_CACHE_PATH", "NEO_CACHE_DIR")
-"""Where Lumière, pyopencl and drivers keep programs."""
+PARTS = ("start", "preparation", "rays", "speed", "error")
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is measured: numbers of runs, triangles, pictures' sizes, and seconds that a timed render should take."""
+    """How much is measured: runs, scenes by part, pictures' sizes, seconds that a timed render should take, samples a pixel and size for noise."""
 
-    starts: int
-    cold_starts: int
-    loads: int
-    renders: int
-    spheres: int
-    faces: int
-    cornell: tuple[int, int]
-    million: tuple[int, int]
+    runs: int
+    prepared: str
+    rays: tuple[str, ...]
+    rendered: tuple[str, ...]
+    noisy: tuple[str, ...]
+    ray_size: int
+    sizes: dict[str, tuple[int, int]]
     seconds: float
+    spp: tuple[int, ...] = (16, 64)
+    noise_size: int = 64
     start_options: tuple[str, ...] = ()
 
 
-CPU = Effort(5, 3, 3, 5, 50, 20480, (512, 512), (480, 270), 2.0)
-GPU = replace(CPU, cornell=(1920, 1080), million=(1920, 1080))
-QUICK = Effort(1, 1, 1, 2, 3, 80, (16, 16), (16, 16), 0.01, ("--width", "16", "--height", "16"))
-
-
-def figure(values: list[float], unit: str) -> dict[str, Any]:
-    """Median, least and most of ``values``."""
-    return {"median": median(values), "min": min(values), "max": max(values), "values": values, "unit": unit}
-
-
-def timed(action: Callable[[], Any]) -> float:
-    """Seconds that ``action`` takes."""
-    begin = time.perf_counter()
-    action()
-    return time.perf_counter() - begin
+CPU = Effort(5, "million", ("million", "20k", "cornell"), ("cornell", "million"), ("cornell", "million"), 1024,
+             {"cornell": (512, 512), "": (480, 270)}, 2.0)
+GPU = replace(CPU, rays=("million", "20k", "cornell", "320"), rendered=("cornell", "million", "320"), ray_size=2896, sizes={"": (1920, 1080)})
+QUICK = Effort(1, "tiny", ("tiny",), ("cornell", "tiny"), ("cornell",), 16, {"": (16, 16)}, 0.01, (4,), 8, ("--width", "16", "--height", "16"))
 
 
 def machine() -> dict[str, Any]:
@@ -89,212 +78,104 @@ def _cpu_lines() -> list[str]:
     return path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
 
 
-def import_seconds() -> float:
-    """Seconds of `import lumiere` in a fresh interpreter."""
-    code = "import time; begin = time.perf_counter(); import lumiere; print(time.perf_counter() - begin)"
-    return float(subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True).stdout)
+def noise(path: Path, effort: Effort, device: str | None, pythons: Sequence[str]) -> dict[str, Any]:
+    """Relative variance by spp: ours, and where there is Mitsuba its multijitter sampler's."""
+    from sampler_error import ours, relative_variance, theirs
+
+    told: dict[str, Any] = {}
+    python = interpreter(RENDERERS[0], pythons)
+    for spp in effort.spp:
+        scene = benchmark_scene(path, (effort.noise_size, effort.noise_size), spp)
+        row = {"ours": relative_variance(ours(scene, device))[0]}
+        if python is not None:
+            row["Mitsuba multijitter"] = relative_variance(theirs(scene, python, "multijitter"))[0]
+            row["ours by it"] = row["ours"] / row["Mitsuba multijitter"]
+        told[str(spp)] = row
+    return told
 
 
-def start_seconds(caches: Path, device: str | None, options: tuple[str, ...]) -> float:
-    """Seconds of the whole command on the Cornell box with 1 spp, its caches in ``caches``."""
-    environment = os.environ | {name: str(caches / name) for name in CACHES}
-    for name in CACHES:
-        (caches / name).mkdir(parents=True, exist_ok=True)
-    command = [sys.executable, "-m", "lumiere", "render", str(CORNELL), "--spp", "1", "-o", str(caches / "out.png"), *options,
-               *(("--device", device) if device else ())]
-    return timed(lambda: subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, check=True))
-
-
-def starts(effort: Effort, device: str | None, folder: Path) -> dict[str, Any]:
-    """Import, cold starts (each with empty caches of its own) and warm starts (all with the last one's)."""
-    cold = [start_seconds(folder / f"cold-{i}", device, effort.start_options) for i in range(effort.cold_starts)]
-    warm = [start_seconds(folder / f"cold-{effort.cold_starts - 1}", device, effort.start_options) for _ in range(effort.starts)]
-    return {"import": figure([import_seconds() for _ in range(effort.starts)], "s"), "cold start": figure(cold, "s"), "warm start": figure(warm, "s")}
-
-
-def write_spheres(effort: Effort, folder: Path) -> Path:
-    """The scene of many triangles."""
-    displaced_spheres(effort.spheres, effort.faces).export(folder / "spheres.ply")
-    path = folder / "spheres.json"
-    path.write_text(json.dumps(spheres_scene("spheres.ply", *effort.million)), encoding="utf-8")
-    return path
-
-
-def prepare(path: Path, size: tuple[int, int], spp: int, device: str | None) -> Any:
-    """A Render of the scene at ``path`` with the benchmark's integrator."""
-    from lumiere import api
-    from lumiere.rendering import Render
-
-    begin = time.perf_counter()
-    scene = api.with_options(api.load(path), {"width": size[0], "height": size[1], "spp": spp, "max_depth": MAX_DEPTH})
-    scene = replace(scene, integrator=replace(scene.integrator, russian_roulette_depth=None))
-    return Render(scene, device, time.perf_counter() - begin, profiling=True)
-
-
-def preparation(path: Path, effort: Effort, device: str | None) -> dict[str, Any]:
-    """What comes before the first sample: load, accelerator, upload, and programs from the cache."""
-    from lumiere.wavefront.memory import DeviceMemory
-
-    times: dict[str, list[float]] = {name: [] for name in ("load", "accelerator", "upload", "upload and programs")}
-    for _ in range(effort.loads):
-        render = prepare(path, effort.million, 1, device)
-        wavefront = render.wavefront
-        memory = DeviceMemory(wavefront.context, wavefront.queue)
-        begin = time.perf_counter()
-        kept = [memory.upload(name, array) for name, (_, array) in wavefront.buffers.arrays.items()]
-        wavefront.finish()
-        times["upload"].append(time.perf_counter() - begin)
-        for buffer in kept:
-            buffer.release()
-        times["load"].append(render.seconds["load"])
-        times["accelerator"].append(render.seconds["accelerator"])
-        times["upload and programs"].append(render.seconds["compile"])
-    return {name: figure(values, "s") for name, values in times.items()} | {
-        "triangles": effort.spheres * effort.faces + 2, "bytes": wavefront.buffers.bytes}
-
-
-def sized(path: Path, size: tuple[int, int], device: str | None, seconds: float) -> Any:
-    """A warm Render whose spp, a power of two, takes about ``seconds``."""
-    render = prepare(path, size, 4, device)
-    render.run()
-    render.restart(0)
-    render.run()
-    spp = 4
-    while spp < 1024 and spp * render.seconds["render"] / 4 < seconds / 1.5:
-        spp *= 2
-    if spp == 4:
-        return render
-    render = prepare(path, size, spp, device)
-    render.run()
-    return render
-
-
-def speed(path: Path, size: tuple[int, int], effort: Effort, device: str | None, peers: Callable[[Any, Path], list[Peer]],
-          folder: Path) -> dict[str, Any]:
-    """Samples a second of ours and of the peers, in turn, and rays a second by kind."""
-    import pyopencl as cl
-
-    render = sized(path, size, device, effort.seconds)
-    others = peers(render.scene, folder)
-    wavefront = render.wavefront
-    with_events, wavefront.queue = wavefront.queue, cl.CommandQueue(wavefront.context, render.device)
-    ours: list[float] = []
-    theirs: dict[str, list[float]] = {peer.name: [] for peer in others}
-    means: dict[str, float] = {}
-    for seed in range(1, effort.renders + 1):
-        render.restart(seed)
-        wavefront.finish()
-        render.run()
-        ours.append(render.samples / render.seconds["render"])
-        for peer in others:
-            taken, means[peer.name] = peer.render(seed)
-            theirs[peer.name].append(render.samples / taken)
-    for peer in others:
-        peer.close()
-    mean = float(render.image({}).pixels.mean())
-    wavefront.queue = with_events
-    rows = {name: {"samples a second": figure(values, "1/s"), "ours by it": median(ours) / median(values), "mean": means[name]}
-            for name, values in theirs.items()}
-    return {"width": size[0], "height": size[1], "spp": render.scene.sampler.spp, "samples a second": figure(ours, "1/s"), "mean": mean,
-            "rays a second": ray_rates(render, effort.renders), "peers": rows}
-
-
-def ray_rates(render: Any, runs: int) -> dict[str, Any]:
-    """Rays a second by kind, from the device's events: nearest hits (extend) and shadow rays (connect)."""
-    from lumiere.profile.observe import Times
-
-    wavefront = render.wavefront
-    rates: dict[str, list[float]] = {}
-    for seed in range(1, runs + 1):
-        render.restart(seed)
-        before = replace(wavefront.rays)
-        times = Times()
-        wavefront.observer = times
-        render.run()
-        wavefront.observer = None
-        launches = times.launches()
-        for kind, stage, rays in (("nearest", "extend", wavefront.rays.nearest - before.nearest),
-                                  ("shadow", "connect", wavefront.rays.shadow - before.shadow)):
-            seconds = sum(launch.seconds for launch in launches if launch.stage == stage)
-            if seconds > 0.0:
-                rates.setdefault(kind, []).append(rays / seconds)
-    return {kind: figure(values, "1/s") for kind, values in rates.items()}
-
-
-def mitsuba(python: str, gpu: bool) -> Callable[[Any, Path], list[Peer]]:
-    """Starts Mitsuba on a scene and warms it up; where it cannot be had, says so and gives no peer."""
-    if subprocess.run([python, "-c", "import mitsuba"], capture_output=True, check=False).returncode:
-        tell(f"left out: Mitsuba, which {python} cannot import; get it with `pip install mitsuba`")
-        return lambda scene, folder: []
-    variant = "cuda_ad_rgb" if gpu else "llvm_ad_rgb"
-
-    def start(scene: Any, folder: Path) -> list[Peer]:
-        folder.mkdir()
-        export(scene, folder, variant)
-        try:
-            peer = Peer(python, folder)
-            peer.render(0)  # compiles
-            return [peer]
-        except RuntimeError as error:
-            tell(f"left out: {error}")
-            return []
-
-    return start
-
-
-def tell(step: str) -> None:
-    """A line for whoever waits."""
-    print(step, file=sys.stderr, flush=True)
-
-
-def measure(device: str | None, quick: bool, peer_python: str | None) -> dict[str, Any]:
-    """All figures."""
+def measure(arguments: argparse.Namespace) -> dict[str, Any]:
+    """All figures that were asked for."""
     from lumiere.device.select import choose
     from lumiere.wavefront.policy import is_gpu
 
-    chosen = choose(device)
-    effort = QUICK if quick else GPU if is_gpu(chosen) else CPU
-    peers = mitsuba(peer_python, is_gpu(chosen)) if peer_python else lambda scene, folder: []
-    told: dict[str, Any] = {"format": "lumiere benchmark 1", "quick": quick, **machine(), "device": chosen.name.strip(),
-                            "driver": f"{chosen.platform.name} {chosen.driver_version}"}
+    chosen = choose(arguments.device)
+    gpu = is_gpu(chosen)
+    effort = QUICK if arguments.quick else GPU if gpu else CPU
+    effort = replace(effort, runs=arguments.runs or effort.runs)
+    pythons = arguments.peer_python if arguments.peers else []
+    driver = f"{chosen.platform.name} {chosen.driver_version}"
+    told: dict[str, Any] = {"format": "lumiere benchmark 2", "quick": arguments.quick, **machine(), "device": chosen.name.strip(), "driver": driver,
+                            "device kind": benchmark_bars.device_kind(gpu, driver)}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        tell("starts")
-        told["start"] = starts(effort, device, folder)
-        tell("many triangles")
-        spheres = write_spheres(effort, folder)
-        told["preparation"] = preparation(spheres, effort, device)
-        tell("Cornell box")
-        told["cornell"] = speed(CORNELL, effort.cornell, effort, device, peers, folder / "cornell")
-        tell("many triangles, rendered")
-        told["spheres"] = speed(spheres, effort.million, effort, device, peers, folder / "spheres")
+
+        def scenes(part: str, standard: tuple[str, ...]) -> Iterator[tuple[str, Path]]:
+            for scene in (arguments.scenes or standard) if part in arguments.parts else ():
+                tell(f"{part}: {scene}")
+                yield scene, write(scene, folder)
+
+        if "start" in arguments.parts:
+            tell("start")
+            told["start"] = starts(effort.runs, arguments.device, folder, effort.start_options)
+        if "preparation" in arguments.parts:
+            tell("preparation")
+            told["preparation"] = preparation(write(effort.prepared, folder), effort.runs, arguments.device)
+        embree = benchmark_rays.embree(pythons, folder) if pythons and "rays" in arguments.parts else None
+        told["rays"] = {scene: benchmark_rays.measure(path, chosen, effort.ray_size, effort.runs, arguments.layouts, arguments.layouts and not gpu,
+                                                      embree, arguments.layouts, folder) for scene, path in scenes("rays", effort.rays)}
+        told["speed"] = {scene: speed(path, effort.sizes.get(scene, effort.sizes[""]), effort.runs, effort.seconds, arguments.device, pythons,
+                                      folder / f"peers-{scene}") for scene, path in scenes("speed", effort.rendered)}
+        told["error"] = {scene: noise(path, effort, arguments.device, pythons) for scene, path in scenes("error", effort.noisy)}
+    return told
+
+
+def merged(paths: list[Path]) -> dict[str, Any]:
+    """Records of one device, put together: a later one's figures stand in place of an earlier one's."""
+    records = [json.loads(path.read_text(encoding="utf-8")) for path in paths]
+    told = records[0]
+    for record in records[1:]:
+        if (record["device"], record["driver"]) != (told["device"], told["driver"]):
+            raise SystemExit(f"found records of {told['device']} ({told['driver']}) and {record['device']} ({record['driver']}), expected one device")
+        told |= {part: record[part] for part in ("start", "preparation") if part in record}
+        for part in ("rays", "speed", "error"):
+            told[part] |= record[part]
     return told
 
 
 def rows(told: dict[str, Any]) -> list[tuple[str, dict[str, Any], float]]:
     """Name, figure and the factor that gives the unit in the name."""
-    found = [(f"{name}, s", value, 1.0) for name, value in told["start"].items()]
-    triangles = f"{told['preparation']['triangles']:,} triangles"
-    found += [(f"{triangles}: {name}, s", value, 1.0) for name, value in told["preparation"].items() if isinstance(value, dict)]
-    for title, part in (("Cornell box", told["cornell"]), (triangles, told["spheres"])):
-        found.append((f"{title}: Msamples/s", part["samples a second"], 1e-6))
-        found += [(f"{title}: {name}, Msamples/s", peer["samples a second"], 1e-6) for name, peer in part["peers"].items()]
-        found += [(f"{title}: {kind} rays, Mrays/s", value, 1e-6) for kind, value in part["rays a second"].items()]
+    found = [(f"{name}, s", value, 1.0) for name, value in told.get("start", {}).items()]
+    if "preparation" in told:
+        triangles = f"{told['preparation']['triangles']:,} triangles"
+        found += [(f"{triangles}: {name}, s", value, 1.0) for name, value in told["preparation"].items() if isinstance(value, dict)]
+    for scene, part in told["speed"].items():
+        found.append((f"{scene}: Msamples/s", part["samples a second"], 1e-6))
+        found += [(f"{scene}: {name}, Msamples/s", peer["samples a second"], 1e-6) for name, peer in part["peers"].items()]
+        found += [(f"{scene}: {kind} rays of a render, Mrays/s", value, 1e-6) for kind, value in part["rays a second"].items()]
     return found
 
 
-def table(told: dict[str, Any]) -> str:
-    """The figures as a Markdown table."""
+def report(told: dict[str, Any]) -> str:
+    """The figures as Markdown."""
     lines = [f"Lumière {told['versions']['lumiere']} on {told['device']} ({told['driver']}); {told['processor']}, {told['cores']} cores"]
-    lines += [f"{title}: {part['width']} × {part['height']}, {part['spp']} spp, at most {MAX_DEPTH} scattering events, no roulette"
-              for title, part in (("Cornell box", told["cornell"]), ("triangles", told["spheres"]))]
-    lines += ["", "| | median | least | most |", "|---|---|---|---|"]
-    lines += [f"| {name} | {scale * value['median']:.4g} | {scale * value['min']:.4g} | {scale * value['max']:.4g} |"
-              for name, value, scale in rows(told)]
-    for title, part in (("Cornell box", told["cornell"]), ("triangles", told["spheres"])):
-        lines += [f"\n{title}: {peer['ours by it']:.2f} × {name}; means of the pictures {part['mean']:.5g} and {peer['mean']:.5g}"
+    if found := rows(told):
+        lines += ["", "| | median | least | most |", "|---|---|---|---|"]
+        lines += [f"| {name} | {scale * value['median']:.4g} | {scale * value['min']:.4g} | {scale * value['max']:.4g} |" for name, value, scale in found]
+    for scene, part in told["speed"].items():
+        lines.append(f"\n{scene}: {part['width']} × {part['height']}, {part['spp']} spp, at most {MAX_DEPTH} scattering events, no roulette; "
+                     f"mean {part['mean']:.5g}")
+        lines += [f"* {peer['ours by it']:.3g} × {name} ({peer['spp']} spp), mean {peer['mean']:.5g}, blocks differ by {100.0 * peer['blocks differ by']:.2g} %"
                   for name, peer in part["peers"].items()]
-    return "\n".join(lines)
+    if told["rays"]:
+        lines += ["", benchmark_rays.table(told["rays"])]
+    if told["error"]:
+        lines += ["", "| scene | spp | relative variance | Mitsuba multijitter | ours by it |", "|---|---|---|---|---|"]
+        for scene, part in told["error"].items():
+            for spp, row in part.items():
+                theirs = f"{row['Mitsuba multijitter']:.4g} | {row['ours by it']:.3g}" if "ours by it" in row else " | "
+                lines.append(f"| {scene} | {spp} | {row['ours']:.4g} | {theirs} |")
+    return "\n".join([*lines, "", benchmark_bars.table(told)])
 
 
 def main() -> None:
@@ -302,11 +183,16 @@ def main() -> None:
     parser.add_argument("--device", help="number or part of a name from `lumiere devices` (default: the best)")
     parser.add_argument("--quick", action="store_true", help="tiny sizes, to see that it works; the figures mean nothing")
     parser.add_argument("--json", type=Path, help="write all figures to this file")
-    parser.add_argument("--peers", action="store_true", help="also measure Mitsuba, in turn with Lumière")
-    parser.add_argument("--peer-python", default=sys.executable, help="interpreter that has the peers (default: this one)")
+    parser.add_argument("--peers", action="store_true", help="also measure Mitsuba, Cycles, LuxCore and Embree, in turn with Lumière")
+    parser.add_argument("--peer-python", nargs="+", default=[sys.executable], help="interpreters that have the peers (default: this one)")
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="what to measure (default: all)")
+    parser.add_argument("--scenes", nargs="+", choices=list(SCENES), help="for rays, speed and noise (default: each part's own)")
+    parser.add_argument("--layouts", action="store_true", help="rays also by every other layout, and on a CPU by triangle tests that are not watertight")
+    parser.add_argument("--runs", type=int, help="of which each figure is the median (default: 5)")
+    parser.add_argument("--merge", type=Path, nargs="+", help="measure nothing: put these records together")
     arguments = parser.parse_args()
-    told = measure(arguments.device, arguments.quick, arguments.peer_python if arguments.peers else None)
-    print(table(told))
+    told = merged(arguments.merge) if arguments.merge else measure(arguments)
+    print(report(told))
     if arguments.json:
         arguments.json.write_text(json.dumps(told, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 

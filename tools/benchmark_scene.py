@@ -1,4 +1,4 @@
-"""The benchmark's scenes: displaced icospheres on a ground plane under a constant sky, at any number of triangles.
+"""The benchmark's scenes: displaced icospheres on a ground plane under a constant sky, at any number of triangles; and the Cornell box.
 
     python tools/benchmark_scene.py OUT [--faces 20480] [--spheres 50]
 
@@ -9,10 +9,29 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
+
+CORNELL = Path(__file__).resolve().parent.parent / "scenes" / "cornell.json"
+
+
+@dataclass(frozen=True)
+class Spheres:
+    """``spheres`` icospheres of ``faces`` triangles each, and whether the camera stands ``close`` to the lone one."""
+
+    spheres: int
+    faces: int
+    close: bool = False
+
+
+SCENES: dict[str, Spheres | None] = {
+    "million": Spheres(50, 20480), "20k": Spheres(1, 20480, close=True), "320": Spheres(1, 320), "20million": Spheres(61, 327680),
+    "tiny": Spheres(3, 80), "cornell": None}
+"""None: the Cornell box of ``scenes/``."""
 
 
 def displaced_spheres(spheres: int, faces: int, seed: int = 1) -> trimesh.Trimesh:
@@ -34,15 +53,41 @@ def displaced_spheres(spheres: int, faces: int, seed: int = 1) -> trimesh.Trimes
     return trimesh.Trimesh(np.concatenate(vertices), np.concatenate(triangles), process=False)
 
 
-def scene(mesh: str, width: int, height: int) -> dict:
+def camera(mesh: trimesh.Trimesh, close: bool) -> dict[str, Any]:
+    """At (0, 6, 18), looking at (0, 1.5, 0); or, from the same side, so close to a lone sphere that it fills three quarters of a square's height."""
+    if not close:
+        return {"position": [0, 6, 18], "look_at": [0, 1.5, 0], "fov": 50, "fov_axis": "x"}
+    sphere = mesh.vertices[:-4]
+    center = (sphere.min(axis=0) + sphere.max(axis=0)) / 2.0
+    radius = np.linalg.norm(sphere - center, axis=1).max()
+    away = np.array([0.0, 4.5, 18.0]) / np.linalg.norm([0.0, 4.5, 18.0])
+    return {"position": (center + 3.0 * radius * away).tolist(), "look_at": center.tolist(), "fov": 50, "fov_axis": "x"}
+
+
+def scene(mesh: str, seen_by: dict[str, Any], width: int, height: int) -> dict[str, Any]:
     """The scene around the mesh file ``mesh``: Lambert, sky of radiance 1, 7 scatterings, no roulette."""
     return {"scene": {
-        "camera": {"position": [0, 6, 18], "look_at": [0, 1.5, 0], "fov": 50, "fov_axis": "x"},
+        "camera": seen_by,
         "film": {"width": width, "height": height},
         "integrator": {"max_depth": 7, "russian_roulette_depth": None},
         "materials": {"clay": {"type": "lambert", "albedo": 0.7}},
         "geometry": [{"type": "mesh", "file": mesh, "material": "clay", "smooth": False}],
         "lights": [{"type": "environment", "radiance": 1.0}]}}
+
+
+def write_spheres(out: Path, made: Spheres, size: tuple[int, int] = (480, 270)) -> Path:
+    """Writes OUT.ply and OUT.json; returns the latter."""
+    mesh = displaced_spheres(made.spheres, made.faces)
+    mesh.export(out.with_suffix(".ply"))
+    path = out.with_suffix(".json")
+    path.write_text(json.dumps(scene(out.with_suffix(".ply").name, camera(mesh, made.close), *size), indent=1), encoding="utf-8")
+    return path
+
+
+def write(name: str, folder: Path) -> Path:
+    """The file of one of SCENES, in ``folder`` where it has to be made."""
+    made = SCENES[name]
+    return CORNELL if made is None else write_spheres(folder / name, made)
 
 
 def main() -> None:
@@ -52,9 +97,7 @@ def main() -> None:
     parser.add_argument("--spheres", type=int, default=50)
     parser.add_argument("--size", type=int, nargs=2, default=(480, 270))
     arguments = parser.parse_args()
-    displaced_spheres(arguments.spheres, arguments.faces).export(arguments.out.with_suffix(".ply"))
-    text = json.dumps(scene(arguments.out.with_suffix(".ply").name, *arguments.size), indent=1)
-    arguments.out.with_suffix(".json").write_text(text, encoding="utf-8")
+    write_spheres(arguments.out, Spheres(arguments.spheres, arguments.faces), tuple(arguments.size))
 
 
 if __name__ == "__main__":

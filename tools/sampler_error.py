@@ -1,7 +1,7 @@
 """Noise at equal samples, ours by sampler and Mitsuba's: python tools/sampler_error.py SCENE [--spp 16 64] [--peer-python P].
 
 The relative variance of a pixel, from 16 seeds: the mean over values of s² / (M² + 0.01 m²), s² the variance between seeds, M their mean, m the picture's. It
-needs no reference. The scene has to be one that tools/benchmark_mitsuba.py can export.
+needs no reference. The scene has to be one that tools/benchmark_peer.py can export.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from benchmark_mitsuba import Peer, export
+from benchmark_peer import RENDERERS, RendererPeer, export
 
 from lumiere.rendering import Render
 from lumiere.scene.load import load
@@ -26,16 +26,16 @@ from lumiere.scene.load import load
 SEEDS = 16
 
 
-def relative_variance(pictures: Iterator[np.ndarray]) -> tuple[float, float]:
+def relative_variance(pictures: Iterable[np.ndarray]) -> tuple[float, float]:
     """The measure above, and the mean of all pixels."""
     values = np.stack([np.asarray(picture, np.float64) for picture in pictures])
     mean = values.mean(axis=0)
     return float(np.mean(values.var(axis=0, ddof=1) / (mean**2 + 0.01 * mean.mean() ** 2))), float(mean.mean())
 
 
-def ours(scene: Any) -> Iterator[np.ndarray]:
+def ours(scene: Any, device: str | None = None) -> Iterator[np.ndarray]:
     """Pictures of ``scene`` from the seeds."""
-    render = Render(scene)
+    render = Render(scene, device)
     for seed in range(SEEDS):
         render.restart(seed)
         render.run()
@@ -45,11 +45,11 @@ def ours(scene: Any) -> Iterator[np.ndarray]:
 def theirs(scene: Any, python: str, sampler: str) -> Iterator[np.ndarray]:
     """The same by Mitsuba's ``sampler``."""
     with tempfile.TemporaryDirectory() as folder:
-        export(scene, Path(folder), "llvm_ad_rgb", sampler)
-        peer = Peer(python, Path(folder))
+        export(scene, Path(folder), variant="llvm_ad_rgb", sampler=sampler)
+        peer = RendererPeer(RENDERERS[0], python, Path(folder))
         for seed in range(SEEDS):
-            peer.render(seed)
-            yield np.load(Path(folder) / "picture.npy")
+            peer.render(seed, scene.sampler.spp)
+            yield peer.picture()
         peer.close()
 
 

@@ -164,26 +164,31 @@ def generated_sources(buffers: SceneBuffers, policy: Policy) -> dict[str, str]:
     }
 
 
+def prelude(buffers: SceneBuffers, policy: Policy, *, counting: bool = False) -> str:
+    """What stands above every stage that reads the scene: macros, structs, ``scene_t``; ``counting``: where visits are counted."""
+    return (_defines(buffers.features, policy) + c_struct("batch_t", BATCH) + buffers.struct_source()
+            + _scene_struct(buffers, counting=counting))
+
+
 def program_sources(buffers: SceneBuffers, policy: Policy, *, counting: bool = False) -> list[ProgramSource]:
     """The programs of the stages that the scene needs, in the order in which they are launched; with ``counting`` those that trace count what
     rays visit.
     """
     features = buffers.features
-    structs = _defines(features, policy) + c_struct("batch_t", BATCH) + buffers.struct_source()
-    prelude, tracing = structs + _scene_struct(buffers), structs + _scene_struct(buffers, counting=counting)
+    above, tracing = prelude(buffers, policy), prelude(buffers, policy, counting=counting)
     generated = generated_sources(buffers, policy)
-    sources = [ProgramSource("generate", assemble("stages/generate.cl", prelude, generated)),
+    sources = [ProgramSource("generate", assemble("stages/generate.cl", above, generated)),
                ProgramSource("extend", assemble("stages/extend.cl", tracing, generated))]
     if features.infinite_lights:
-        sources.append(ProgramSource("escape", assemble("stages/escape.cl", prelude, generated)))
+        sources.append(ProgramSource("escape", assemble("stages/escape.cl", above, generated)))
     if features.subsurface:
-        sources.append(ProgramSource("scatter", assemble("stages/scatter.cl", prelude, generated)))
+        sources.append(ProgramSource("scatter", assemble("stages/scatter.cl", above, generated)))
     for number, (kind, textured) in enumerate(features.bsdfs.items()):
         specular = kind in features.specular_bsdfs
         own = f"#define QUEUE_SHADE QUEUE_SHADE_{number}\n"
         own += "#define NEXT_EVENT_ESTIMATION\n" if features.next_event_estimation and not specular else ""
         bsdf = bsdf_source(kind, buffers.bsdf_parameters[kind], textured, features.bsdf_features[kind])
-        sources.append(ProgramSource(f"shade[{kind}]", assemble("stages/shade.cl", prelude + own, generated | {"scene/bsdf.cl": bsdf})))
+        sources.append(ProgramSource(f"shade[{kind}]", assemble("stages/shade.cl", above + own, generated | {"scene/bsdf.cl": bsdf})))
     if features.next_event_estimation:
         sources.append(ProgramSource("connect", assemble("stages/connect.cl", tracing, generated)))
     accumulate = _defines(features, policy) + c_struct("batch_t", BATCH)
