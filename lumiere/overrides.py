@@ -11,7 +11,8 @@ from lumiere.accel import Accelerator, choose
 @dataclass(frozen=True)
 class Overrides:
     """``accelerator`` chooses as ``lumiere.accel.choose`` does; ``compiler_options`` are given to the build of every program, or of
-    those of the stages named in ``stages``; ``slots``, where set, is the number of paths in flight, and ``compacted`` says how queues are kept.
+    those of the stages named in ``stages``; ``slots``, where set, is the number of paths in flight, and ``compacted`` says how queues are kept. ``traced``
+    paths keep more of what they did.
     """
 
     accelerator: Callable[[str, int, bool, bool], Accelerator] = choose
@@ -19,6 +20,7 @@ class Overrides:
     stages: tuple[str, ...] = ()
     slots: int | None = None
     compacted: bool | None = None
+    traced: bool = False
 
     def options_of(self, stage: str) -> tuple[str, ...]:
         """The compiler's options for the programs of ``stage``."""

@@ -48,6 +48,7 @@ class Render:
         self.device = choose(device)
         begin = time.perf_counter()
         buffers = compile_scene(scene, wide=not is_gpu(self.device), choose_accelerator=overrides.accelerator)
+        buffers.features = replace(buffers.features, traced=overrides.traced)
         accelerator = buffers.seconds.get("accelerator", 0.0)
         self.seconds["load"] += time.perf_counter() - begin - accelerator
         self.seconds["accelerator"] = accelerator
