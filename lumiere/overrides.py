@@ -10,7 +10,8 @@ from lumiere.accel import Choice, choose
 @dataclass(frozen=True)
 class Overrides:
     """``accelerator`` chooses as ``lumiere.accel.choose`` does; ``compiler_options`` are given to the build of every program, or of
-    those of the stages named in ``stages``; ``slots``, where set, is the number of paths in flight, and ``compacted`` says how queues are kept.
+    those of the stages named in ``stages``; ``slots``, where set, is the number of paths in flight, and ``compacted`` says how queues are kept. ``traced``
+    paths keep more of what they did.
     """
 
     accelerator: Choice = choose
@@ -18,6 +19,7 @@ class Overrides:
     stages: tuple[str, ...] = ()
     slots: int | None = None
     compacted: bool | None = None
+    traced: bool = False
 
     def options_of(self, stage: str) -> tuple[str, ...]:
         """The compiler's options for the programs of ``stage``."""

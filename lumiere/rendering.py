@@ -49,6 +49,7 @@ class Render:
         begin = time.perf_counter()
         buffers = compile_scene(scene, wide=not is_gpu(self.device), packets=not (is_gpu(self.device) or overrides.compacted),
                                 choose_accelerator=overrides.accelerator)
+        buffers.features = replace(buffers.features, traced=overrides.traced)
         accelerator = buffers.seconds.get("accelerator", 0.0)
         self.seconds["load"] += time.perf_counter() - begin - accelerator
         self.seconds["accelerator"] = accelerator

@@ -202,7 +202,12 @@ static inline bool sample_light(const scene_t *scene, const path_t *path, uint s
     float3 f = BSDF(eval)(bsdf, vertex->wo, wi);
     if (is_black(f))
         return false;
-    float weight = sampled_light_weight(&light, BSDF(pdf)(bsdf, vertex->wo, wi)) / light.pdf;
+    float bsdf_pdf = BSDF(pdf)(bsdf, vertex->wo, wi);
+#ifdef TRACED
+    path_set_light_pdf(path, slot, light.pdf);
+    path_set_light_bsdf_pdf(path, slot, bsdf_pdf);
+#endif
+    float weight = sampled_light_weight(&light, bsdf_pdf) / light.pdf;
     float3 contribution = throughput * f * light.radiance * weight;
     if (is_black(contribution))
         return false;

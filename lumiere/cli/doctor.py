@@ -24,22 +24,27 @@ def run(options: argparse.Namespace) -> int:
     """Runs all checks; returns 0 where all passed."""
     from lumiere.device.select import choose
     from lumiere.doctor.checks import CHECKS
-    from lumiere.doctor.report import line, report
+    from lumiere.doctor.report import Outcome, carry_out, line, report
     from lumiere.film.atomic import check_writable, replacing
 
     path = Path(options.output)
     check_writable(path)
-    device = choose(options.device).name.strip()
-    sys.stdout.write(f"on {device}\n")
-    done = []
-    for group in CHECKS:
-        for check in group(options.device):
-            done.append(check)
-            sys.stdout.write(line(check) + "\n")
-            sys.stdout.flush()
-    with replacing(path) as temporary:
-        temporary.write_text("\n".join(report(done, device)) + "\n", encoding="utf-8")
-    failed = [check.name for check in done if not check.passed]
-    sys.stdout.write((f"failed: {', '.join(failed)}" if failed else "all is well") + f"; wrote {path}\n")
+    device = choose(options.device)
+    sys.stdout.write(f"on {device.name.strip()}\n")
+    done: list[Outcome] = []
+
+    def write(under_way: str | None) -> None:
+        with replacing(path) as temporary:
+            temporary.write_text("\n".join(report(done, under_way, device)) + "\n", encoding="utf-8")
+
+    for name, check in CHECKS.items():
+        write(name)  # a driver that takes the process with it leaves this
+        done.append(carry_out(name, check, options.device))
+        sys.stdout.write(line(done[-1]) + "\n")
+        sys.stdout.flush()
+    write(None)
+    failed = [outcome.name for outcome in done if not outcome.finding.passed]
+    verdict = f"this machine does not render correctly; failed: {', '.join(failed)}" if failed else "all is well"
+    sys.stdout.write(f"{verdict}; wrote {path}\n")
     sys.stdout.flush()
     return FAILED if failed else 0

@@ -64,6 +64,8 @@ class Features:
     surface_color: bool = False
     pixel_list: bool = False
     """Batches name their pixels one by one."""
+    traced: bool = False
+    """A path is being replayed, and keeps the densities that were weighed against each other (lumiere/trace)."""
     aovs: tuple[str, ...] = ()
     specular_bsdfs: tuple[str, ...] = field(default=())
     """BSDF kinds that have Dirac lobes only, and so no light sampling."""

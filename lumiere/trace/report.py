@@ -54,6 +54,9 @@ class _Describer:
         if vertex.primitive is None:
             if vertex.program == "escape":
                 yield f"  leaves the scene: adds {_vector(vertex.emitted)}{self._weight(number, vertex, modes)}"
+            elif vertex.program == "scatter":
+                yield (f"  scatters in the body after {vertex.t:.6g} at {_vector(vertex.origin + vertex.t * vertex.direction + self.center)}"
+                       + ("" if vertex.goes_on else ": the path ends"))
             else:
                 yield "  meets nothing"
             return
@@ -111,12 +114,11 @@ class _Describer:
         return f", MIS weight {weight:.6g} (BSDF pdf {vertex.bsdf_pdf:.6g}, light pdf {light_pdf:.4g})"
 
     def _light_weight(self, number: int, vertex: Vertex, modes: dict[str, Path]) -> str:
+        """MIS weight of a sampled light, and both densities of its direction; that of light sampling includes the choice of the light."""
+        pdfs = f"light pdf {vertex.light_pdf:.6g}, BSDF pdf {vertex.light_bsdf_pdf:.6g}"
         other = modes["light"].vertices[number] if modes and number < len(modes["light"].vertices) else None
         weight = None if other is None or other.offered is None else _ratio(vertex.offered, other.offered)
-        if weight is None:
-            return ""
-        ratio = (1.0 / weight - 1.0) ** 0.5 if 0.0 < weight <= 1.0 else float("nan")
-        return f", MIS weight {weight:.6g} (BSDF pdf / light pdf {ratio:.4g})"
+        return f", {pdfs}" if weight is None else f", MIS weight {weight:.6g} ({pdfs})"
 
 
 def _ratio(weighted: Any, plain: Any) -> float | None:

@@ -19,10 +19,12 @@ SLOTS = 64
 
 @dataclass
 class Vertex:
-    """What a ray met, and what came of it. ``primitive`` is None where it left the scene; vectors are float64 arrays of three.
+    """What a ray met, and what came of it. ``primitive`` is None where it left the scene or scattered in a body; ``program`` is the stage that dealt
+    with it; vectors are float64 arrays of three.
 
     ``emitted`` is what the surface or the surroundings added to the sample, ``connected`` what the shadow ray did; ``offered`` is what that
-    carried before it was traced, None where there was none.
+    carried before it was traced, None where there was none; ``light_pdf`` and ``light_bsdf_pdf`` are the densities with which light sampling and
+    BSDF sampling have its direction.
     """
 
     origin: np.ndarray
@@ -37,6 +39,8 @@ class Vertex:
     emitted: np.ndarray = field(default_factory=lambda: np.zeros(3))
     offered: np.ndarray | None = None
     shadow_direction: np.ndarray | None = None
+    light_pdf: float = 0.0
+    light_bsdf_pdf: float = 0.0
     connected: np.ndarray = field(default_factory=lambda: np.zeros(3))
     goes_on: bool = False
 
@@ -83,6 +87,8 @@ class _Watch:
         elif stage == "escape" and tag == "IDLE_0" and self.vertices[-1].program == "escape":
             self.vertices[-1].emitted = added
             self.over = True
+        elif stage == "scatter" and self.vertices[-1].program == "scatter":
+            self._goes_on(state, tag)
         elif stage.startswith("shade") and self.vertices[-1].program == "" and self.vertices[-1].primitive is not None:
             self._shaded(stage, state, tag, added, bool(connects[self.slot]))
         elif stage == "connect" and len(self.vertices) > 0:
@@ -90,6 +96,15 @@ class _Watch:
                 else self.vertices[-1]
             at.connected = at.connected + added
             self.over = not at.goes_on
+
+    def _goes_on(self, state: dict[str, Any], tag: str) -> None:
+        """From the last vertex to another, or not; then the path is over unless it waits for its shadow ray."""
+        last = self.vertices[-1]
+        last.goes_on = tag.startswith("EXTEND")
+        if last.goes_on:
+            self.vertices.append(self._vertex(state))
+        elif last.offered is None:
+            self.over = True
 
     def _state(self, floats: np.ndarray, uints: np.ndarray) -> dict[str, Any]:
         """The path's fields by name."""
@@ -113,6 +128,8 @@ class _Watch:
             vertex.uv = (uv[0], uv[1])
         elif tag == "ESCAPE":
             vertex.program = "escape"
+        elif tag == "SCATTER":
+            vertex.program, vertex.t = "scatter", state["hit"][0]
         else:
             self.over = True
 
@@ -123,11 +140,8 @@ class _Watch:
         vertex.program, vertex.emitted = stage, added
         if connects:
             vertex.offered, vertex.shadow_direction = state["contribution"], state["shadow_direction"]
-        vertex.goes_on = tag.startswith("EXTEND")
-        if vertex.goes_on:
-            self.vertices.append(self._vertex(state))
-        elif not connects:
-            self.over = True
+            vertex.light_pdf, vertex.light_bsdf_pdf = state["light_pdf"], state["light_bsdf_pdf"]
+        self._goes_on(state, tag)
 
 
 def watch(scene: Scene, pixel: tuple[int, int], sample: int, device: str | int | None) -> tuple[Path, Render]:
@@ -137,7 +151,7 @@ def watch(scene: Scene, pixel: tuple[int, int], sample: int, device: str | int |
         raise UsageError(f"--pixel: found {pixel[0]} {pixel[1]}, expected x from {x0} to {x1 - 1} and y from {y0} to {y1 - 1}")
     # The film needs no more than the radiance, and no list of pixels: a sample's numbers do not depend on either.
     plain = replace(scene, film=replace(scene.film, aovs=()), sampler=replace(scene.sampler, adaptive=None))
-    job = Render(plain, device, overrides=Overrides(slots=SLOTS, compacted=False))
+    job = Render(plain, device, overrides=Overrides(slots=SLOTS, compacted=False, traced=True))
     watcher = _Watch(job)
     job.wavefront.observer = watcher
     order = pixel_order(x1 - x0, y1 - y0)

@@ -70,10 +70,11 @@ def _for_time(known: list[Measurement], rate: _Rates, seconds: float) -> Choice:
     own = rate.own
 
     def predicted(m: Measurement) -> float:
-        return _bias2(m) + rate(m) / seconds
+        left = seconds - m.accelerator_seconds
+        return _bias2(m) + rate(m) / left if left > 0.0 else math.inf
 
     best = _unless_only_luck(min(known, key=predicted), own, predicted)
-    spp = max(1, round(seconds * best.spp / best.seconds))
+    spp = max(1, round((seconds - best.accelerator_seconds) * best.spp / best.seconds))
     return Choice(f"{seconds:g} s", best, spp, seconds, predicted(best), _reasons(best, rate, predicted(best), predicted(own), "relMSE"))
 
 
@@ -82,14 +83,14 @@ def _for_error(known: list[Measurement], rate: _Rates, error: float) -> Choice:
 
     def needed(m: Measurement) -> float:
         room = error - _bias2(m)
-        return rate(m) / room if room > 0.0 else math.inf
+        return rate(m) / room + m.accelerator_seconds if room > 0.0 else math.inf
 
     goal = f"relMSE {error:.0e}"
     best = _unless_only_luck(min(known, key=needed), own, needed)
     if not math.isfinite(needed(best)):
         return Choice(goal, None, 0, math.inf, error, "every setting measured has a bias² above that against the reference; the smallest is "
                       f"{min(_bias2(m) for m in known):.2g}")
-    spp = max(1, math.ceil(needed(best) * best.spp / best.seconds))
+    spp = max(1, math.ceil((needed(best) - best.accelerator_seconds) * best.spp / best.seconds))
     return Choice(goal, best, spp, needed(best), error, _reasons(best, rate, needed(best), needed(own), "seconds"))
 
 

@@ -21,8 +21,14 @@ from lumiere.wavefront.batch import Batch
 SEEDS = 16
 """Independent pictures a setting."""
 
-REFERENCE_SHARE, LADDER_SHARE = 0.3, 0.15
-"""Parts of the budget for the reference, and for the scene's own settings at several spp; the rest is for one change at a time."""
+BESIDE = 2
+"""After so many pictures of a change comes one of the scene's own settings, to time the change against."""
+
+OVERHEAD = 1.1 * (1.0 + 1.0 / BESIDE)
+"""Of measuring a setting, over rendering its pictures."""
+
+REFERENCE_SHARE, LADDER_SHARE, CHANGES_SHARE = 0.25, 0.15, 0.8
+"""Parts of the budget for the reference and for the scene's own settings at several spp; and the part of what builds leave for one change at a time."""
 
 LARGEST_SPP = 1024
 
@@ -48,6 +54,8 @@ class Measurement:
     mean: np.ndarray
     slope: float | None = None
     """Of log relative error (the root of bias² + variance) against log seconds, over the setting's spp."""
+    accelerator_seconds: float = 0.0
+    """Building the accelerators, once a scene."""
 
     @property
     def efficiency(self) -> float:
@@ -145,44 +153,51 @@ def study(scene: Scene, *, reference: Path | None, budget: float, device: str | 
     else:
         known, text = _render_reference(scene, runner)
     result = Study(scene, job.device.name.strip(), known, text, metrics.weights(known.mean))
-    result.measurements.append(_measured(own(), 1, first, seconds, result))
+    result.measurements.append(_measured(own(), 1, first, seconds, result, job))
     per_picture = runner.sample_seconds * SEEDS
     _ladder(result, runner, job, per_picture)
     wanted = list(settings(scene, float(known.mean.mean())))
     left = runner.budget - runner.elapsed
     room = left - sum(runner.build_seconds for s in wanted if s.builds)
-    spp = _power_of_two_below(0.3 * max(room, 0.3 * left) / (2.2 * per_picture * max(1, len(wanted))))
-    for times in (1, 4, 16):
+    most = _power_of_two_below(CHANGES_SHARE * max(room, 0.3 * left) / (1.25 * OVERHEAD * per_picture * max(1, len(wanted))))
+    for levels in ((max(1, most // 4), most), (4 * most,)):
         for setting in wanted:
-            cost = (runner.build_seconds if setting.builds and times == 1 else 1.5) + 2.2 * per_picture * spp * times
+            levels = sorted(set(levels))
+            cost = (runner.build_seconds if setting.builds and most in levels else 1.5) + OVERHEAD * per_picture * sum(levels)
             if runner.elapsed + cost > runner.budget:
-                if times == 1:
+                if most in levels:
                     result.left_out.append(f"{setting.name}: {cost:.0f} s more would not have fitted in the budget")
                 continue
-            tell(f"{setting.name}, {spp * times} spp")
+            tell(f"{setting.name}, {' and '.join(map(str, levels))} spp")
             try:
-                _one(result, runner, job, setting, spp * times)
+                _one(result, runner, job, setting, levels)
             except LumiereError as error:
                 result.left_out.append(f"{setting.name}: {error}")
     _slopes(result)
+    names = list(dict.fromkeys(m.setting.name for m in result.measurements))
+    result.measurements.sort(key=lambda m: (names.index(m.setting.name), m.spp))
     result.seconds = runner.elapsed
     return result
 
 
-def _one(result: Study, runner: Runner, own_job: Render, setting: Setting, spp: int) -> None:
-    """Measures a setting, and the scene's own beside it: a machine's speed drifts, and only what was timed side by side is compared."""
-    beside = next((m for m in result.ladder if m.spp == spp), None)
-    if beside is None:
-        beside = _measured(own(), spp, *_again(own_job, spp), result)
-        result.measurements.append(beside)
-    job = runner.job(result.scene, setting, spp)
-    own_job.scene = with_spp(own_job.scene, spp)
-    pictures, ratios = [], []
-    for seed in range(FIRST_SEED, FIRST_SEED + SEEDS):
-        picture, seconds = repeat(job, seed, 1)
-        pictures.append(picture)
-        ratios.append(seconds[0] / repeat(own_job, seed, 1)[1][0])
-    result.measurements.append(_measured(setting, spp, np.concatenate(pictures), [beside.seconds * ratio for ratio in ratios], result))
+def _one(result: Study, runner: Runner, own_job: Render, setting: Setting, levels: list[int]) -> None:
+    """Measures a setting at each spp of ``levels``, beside the scene's own: a machine's speed drifts, and what was timed side by side is compared."""
+    job = None
+    for spp in levels:
+        beside = next((m for m in result.ladder if m.spp == spp), None)
+        if beside is None:
+            beside = _measured(own(), spp, *_again(own_job, spp), result, own_job)
+            result.measurements.append(beside)
+        if job is None or job.scene.sampler.type == "stratified":
+            job = runner.job(result.scene, setting, spp)
+        job.scene, own_job.scene = with_spp(job.scene, spp), with_spp(own_job.scene, spp)
+        pictures, seconds = [], []
+        for seed in range(FIRST_SEED, FIRST_SEED + SEEDS, BESIDE):
+            some, theirs = repeat(job, seed, BESIDE)
+            pictures.append(some)
+            speed = repeat(own_job, seed, 1)[1][0]
+            seconds += [beside.seconds * value / speed for value in theirs]
+        result.measurements.append(_measured(setting, spp, np.concatenate(pictures), seconds, result, job))
 
 
 def _again(job: Render, spp: int) -> tuple[np.ndarray, list[float]]:
@@ -199,7 +214,7 @@ def _ladder(result: Study, runner: Runner, job: Render, per_picture: float) -> N
     """The scene's own settings at 4, 16, … spp, as far as their share goes."""
     spent, spp = 0.0, 4
     while spent + per_picture * spp <= LADDER_SHARE * runner.budget:
-        result.measurements.append(_measured(own(), spp, *_again(job, spp), result))
+        result.measurements.append(_measured(own(), spp, *_again(job, spp), result, job))
         spent += per_picture * spp
         spp *= 4
 
@@ -237,13 +252,13 @@ def read_reference(path: Path, shape: tuple[int, ...]) -> tuple[Reference, str]:
     return Reference(pixels, np.zeros_like(pixels)), f"{path}, taken as exact since it has no layer `variance`"
 
 
-def _measured(setting: Setting, spp: int, pictures: np.ndarray, seconds: list[float], result: Study) -> Measurement:
+def _measured(setting: Setting, spp: int, pictures: np.ndarray, seconds: list[float], result: Study, job: Render) -> Measurement:
     reference = result.reference.mean
     bias2, variance = bias_and_variance(pictures, result.reference, result.weight)
     return Measurement(
         setting, spp, float(np.median(seconds)), _median_half_width(seconds), float(np.mean([metrics.rel_mse(p, reference) for p in pictures])),
         float(np.mean([metrics.rel_mse(p, reference, metrics.TRIMMED) for p in pictures])), metrics.flip(pictures[0], reference),
-        bias2, variance, pictures[0], pictures.mean(axis=0, dtype=np.float64))
+        bias2, variance, pictures[0], pictures.mean(axis=0, dtype=np.float64), accelerator_seconds=job.seconds["accelerator"])
 
 
 def _median_half_width(seconds: list[float]) -> float:

@@ -71,6 +71,8 @@ def plot(measurements: Sequence[Measurement]) -> str:
             label = f"{m.setting.name}, {m.spp} spp: {m.seconds:.3g} s, bias² {m.bias2.value:.1e}, variance {m.variance.value:.1e}"
             parts.append(f'<circle cx="{x(m.seconds):.1f}" cy="{y(m.error):.1f}" r="{5 if m.setting.factor == OWN else 4}" fill="{color}">'
                          f"<title>{escape(label)}</title></circle>")
+    for m in pareto(shown):
+        parts.append(f'<text x="{x(m.seconds) + 8:.1f}" y="{y(m.error) - 7:.1f}">{escape(f"{m.setting.name}, {m.spp} spp")}</text>')
     for i, (factor, color) in enumerate(color_of.items()):
         top = TOP + 14 + 20 * i
         parts.append(f'<circle cx="{WIDTH - RIGHT + 20}" cy="{top - 4}" r="5" fill="{color}"/>'

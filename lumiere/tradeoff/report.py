@@ -15,7 +15,8 @@ from lumiere.tradeoff.measure import SEEDS, Measurement, Study
 from lumiere.tradeoff.metrics import FLOOR, TRIMMED
 from lumiere.tradeoff.page import page
 
-COLUMNS = ("setting", "spp", "seconds", "relMSE", "relMSE trimmed", "FLIP", "bias²", "± bias²", "variance", "± variance", "efficiency", "slope")
+COLUMNS = ("setting", "spp", "seconds", "relMSE", "relMSE trimmed", "FLIP", "bias²", "± bias²", "variance", "± variance", "efficiency", "slope",
+           "accelerator")
 
 DEFINITIONS = (
     f"seconds: median of {SEEDS} renders of independent seeds, without loading and building. A change is timed beside the scene's own settings, "
@@ -26,6 +27,7 @@ DEFINITIONS = (
     "bias², variance: the same relative mean for (expected picture − R)², less the variances of both sides, and for the variance of one picture; "
     "± is half of the 95 % interval (jackknife over the seeds and the reference's). A bias² within ± of 0 is not told from none; it can be below 0.",
     "efficiency: 1 / (variance × seconds).   slope: of log √(bias² + variance) against log seconds over the setting's spp; −0.5 is Monte Carlo's.",
+    "accelerator: seconds that building it took, once a scene; the choice for a time counts them.",
 )
 
 
@@ -33,7 +35,7 @@ def row(m: Measurement) -> dict[str, Any]:
     """The measurement by column."""
     return dict(zip(COLUMNS, (
         m.setting.name, m.spp, m.seconds, m.rel_mse, m.rel_mse_trimmed, m.flip, m.bias2.value, m.bias2.half_width, m.variance.value,
-        m.variance.half_width, m.efficiency, m.slope), strict=True))
+        m.variance.half_width, m.efficiency, m.slope, m.accelerator_seconds), strict=True))
 
 
 def _text(value: Any) -> str:

@@ -13,8 +13,10 @@ from lumiere.texture.image import FILTERS, ImageTexture
 
 OWN = "own settings"
 
+MATHS = {"mad": "-cl-mad-enable", "relaxed": "-cl-fast-relaxed-math"}
+
 MATHS_STAGES = ("extend", "shade", "connect")
-"""Where the time goes; each gets relaxed maths by itself."""
+"""Where the time goes; each gets other maths by itself, beside all stages together."""
 
 
 @dataclass(frozen=True)
@@ -52,10 +54,10 @@ def _integrator(**keys: Any) -> Callable[[Scene], Scene]:
 def settings(scene: Scene, mean_radiance: float) -> Iterator[Setting]:
     """The changes that make sense for ``scene``, the most telling first. ``mean_radiance`` is the picture's, to scale ``clamp_indirect``."""
     integrator = scene.integrator
-    yield Setting("maths", "mad", overrides=Overrides(compiler_options=("-cl-mad-enable",)), builds=True)
-    yield Setting("maths", "relaxed", overrides=Overrides(compiler_options=("-cl-fast-relaxed-math",)), builds=True)
-    for stage in MATHS_STAGES:
-        yield Setting("maths", f"relaxed in {stage}", overrides=Overrides(compiler_options=("-cl-fast-relaxed-math",), stages=(stage,)), builds=True)
+    for stages in ((), *((stage,) for stage in MATHS_STAGES)):
+        for name, option in MATHS.items():
+            value = f"{name} in {stages[0]}" if stages else name
+            yield Setting("maths", value, overrides=Overrides(compiler_options=(option,), stages=stages), builds=True)
     if integrator.type == "path":
         for depth in (2, 4, 8, 32, 64):
             if depth != integrator.max_depth:

@@ -49,7 +49,7 @@ def _defines(features: Features, policy: Policy) -> str:
         "NORMAL_MAP": features.normal_map, "BUMP_MAP": features.bump_map,
         "BENT_NORMALS": features.normal_map or features.bump_map or features.vertex_normals,
         "RAY_CONES": features.ray_cones, "NESTED": features.nested, "SUBSURFACE": features.subsurface,
-        "MIXES": features.mixes, "TEXTURED_MIXES": features.textured_mixes,
+        "TRACED": features.traced, "MIXES": features.mixes, "TEXTURED_MIXES": features.textured_mixes,
         "TRIANGLE_CORNERS": features.triangle_corners,
         "VERTEX_NORMALS": features.vertex_normals,
         "VERTEX_UVS": features.vertex_uvs, "VERTEX_COLORS": features.vertex_colors, "SURFACE_UV": features.surface_uv,

@@ -50,6 +50,8 @@ PATH_FIELDS = (
     PathField("shadow_direction", "float3", "of the shadow ray; to the light's point, or unit for an infinite light", "next_event_estimation"),
     PathField("shadow_t_max", "float", "of the shadow ray: 1, or infinity", "next_event_estimation"),
     PathField("contribution", "float3", "what the shadow ray adds where nothing is in its way", "next_event_estimation"),
+    PathField("light_pdf", "float", "density of the shadow ray's direction as light sampling has it, over solid angle", "traced"),
+    PathField("light_bsdf_pdf", "float", "and as BSDF sampling has it", "traced"),
 )
 
 

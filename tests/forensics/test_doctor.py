@@ -1,4 +1,4 @@
-"""The doctor passes where all is well, and finds out what is not."""
+"""The doctor passes where all is well, and finds out drivers that compute wrongly, refuse to compile, or do not come back."""
 
 from __future__ import annotations
 
@@ -10,35 +10,82 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lumiere.cli.doctor import FAILED
 from lumiere.cli.main import main
+from lumiere.cli.render import INTERRUPTED
+from lumiere.device import source
 from lumiere.doctor import checks
+from lumiere.doctor.report import carry_out
+
+
+def _doctor(device: Any, path: Path) -> tuple[int, str]:
+    """Exit status and what was printed."""
+    text = io.StringIO()
+    with redirect_stdout(text):
+        status = main(["doctor", "--device", device.name, "-o", str(path)])
+    return status, text.getvalue()
+
+
+def _miscompile(monkeypatch: pytest.MonkeyPatch, file: str, right: str, wrong: str) -> None:
+    """From now on programs are built as a driver would that makes ``wrong`` of what stands as ``right`` in ``cl/FILE``."""
+    read = source._text
+
+    def wrongly(path: Path) -> str:
+        text = read(path)
+        if not str(path).endswith(file):
+            return text
+        assert right in text
+        return text.replace(right, wrong)
+
+    monkeypatch.setattr(source, "_text", wrongly)
 
 
 def test_all_is_well(device: Any, tmp_path: Path) -> None:
     path = tmp_path / "report.txt"
-    text = io.StringIO()
-    with redirect_stdout(text):
-        assert main(["doctor", "--device", device.name, "-o", str(path)]) == 0
+    status, text = _doctor(device, path)
     report = path.read_text(encoding="utf-8")
-    assert "all is well" in text.getvalue() and "FAIL" not in report
+    assert status == 0 and "all is well" in text and "FAIL" not in report
     assert device.name.strip() in report and '"kernels"' in report
+    assert all(f"ok    {name}: " in report for name in checks.CHECKS)
 
 
-def test_a_picture_that_is_too_dark_is_found(device: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("name", "file", "right", "wrong"), [
+    ("furnace of lambert", "bsdf/lambert.cl", "s.weight = bsdf->albedo", "s.weight = 0.98f * bsdf->albedo"),
+    ("furnace of mirror", "stages/escape.cl", "* radiance);", "* (radiance / 0.0f));"),
+    ("χ² of diffuse directions", "lib/warp.cl", "d = square_to_disk(u)", "d = 0.97f * square_to_disk(u)"),
+    ("watertightness", "shape/triangle_test.cl", "any(edges < 0.0f) && any(edges > 0.0f)", "any(edges <= 0.0f) && any(edges >= 0.0f)"),
+    ("picture 'glass'", "lib/fresnel.cl", "return 0.5f * (s * s + p * p)", "return 0.25f * (s * s + p * p)"),
+], ids=lambda text: text.split("/")[-1] if "/" in text else None)
+def test_what_a_driver_miscompiles_is_found(device: Any, monkeypatch: pytest.MonkeyPatch, name: str, file: str, right: str, wrong: str) -> None:
+    _miscompile(monkeypatch, file, right, wrong)
+    finding = carry_out(name, checks.CHECKS[name], device.name).finding
+    assert not finding.passed and "stopped" not in finding.text, finding.text
+
+
+def test_what_fails_is_reported(device: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wrong results and programs that do not build: a line each, the reason, the other checks all the same, and an exit status of its own."""
+    _miscompile(monkeypatch, "bsdf/mirror.cl", "return s;", "return no such thing;")
     stored = checks.stored
     monkeypatch.setattr(checks, "stored", lambda name: (stored(name)[0] * 1.2, stored(name)[1]))
-    assert not all(check.passed for check in checks.pictures(device.name))
+    names = ("furnace of lambert", "furnace of mirror", "picture 'diffuse'")
+    monkeypatch.setattr(checks, "CHECKS", {name: checks.CHECKS[name] for name in names})
+    path = tmp_path / "report.txt"
+    status, text = _doctor(device, path)
+    report = path.read_text(encoding="utf-8")
+    assert status == FAILED and "failed: furnace of mirror, picture 'diffuse'" in text
+    assert "ok    furnace of lambert" in report and "FAIL  picture 'diffuse': largest of" in report
+    assert "FAIL  furnace of mirror: stopped by DeviceError" in report and "Traceback" in report
 
 
-def test_a_leak_is_found(device: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    load = checks.load
+def test_a_driver_that_does_not_come_back_leaves_a_report(device: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(device: Any) -> checks.Finding:
+        raise KeyboardInterrupt
 
-    def with_a_hole(document: Any) -> Any:
-        document["scene"]["geometry"][0]["faces"] = document["scene"]["geometry"][0]["faces"][:-900]
-        return load(document)
-
-    monkeypatch.setattr(checks, "load", with_a_hole)
-    assert not next(checks.watertightness(device.name)).passed
+    monkeypatch.setattr(checks, "CHECKS", {"furnace of mirror": checks.CHECKS["furnace of mirror"], "the one that hangs": never})
+    path = tmp_path / "report.txt"
+    assert _doctor(device, path)[0] == INTERRUPTED
+    report = path.read_text(encoding="utf-8")
+    assert "ok    furnace of mirror" in report and "FAIL  the one that hangs: was begun" in report
 
 
 def test_chi_square_as_a_deviate() -> None:

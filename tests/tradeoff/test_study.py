@@ -65,8 +65,8 @@ def test_a_clamp_has_a_bias_and_the_files_agree(tmp_path: Path, device: Any) -> 
     result = measure.Study(scene, job.device.name, reference, "rendered", measure.metrics.weights(reference.mean))
     clamp = Setting("clamp_indirect", "0.01", lambda s: replace(s, integrator=replace(s.integrator, clamp_indirect=0.01)), unbiased=False)
     for setting in (own(), clamp):
-        pictures, seconds, _ = runner.pictures(scene, setting, 4, 1000, measure.SEEDS)
-        result.measurements.append(measure._measured(setting, 4, pictures, seconds, result))
+        pictures, seconds, job = runner.pictures(scene, setting, 4, 1000, measure.SEEDS)
+        result.measurements.append(measure._measured(setting, 4, pictures, seconds, result, job))
     plain, clamped = result.measurements
     assert clamped.bias2.differs_from_zero and clamped.bias2.value > 0.0
     assert plain.bias2.value < 0.1 * clamped.bias2.value
