@@ -18,8 +18,8 @@ class Dielectric(Material):
     """The surface of a transparent body: reflects and refracts. Its normal points out of the body.
 
     Fresnel's equations for unpolarised light; where rough, GGX microfacets after Walter et al. 2007 with height-correlated Smith shadowing,
-    which lose the light that would scatter more than once, or with the scene's ``energy_compensation`` give it back, to 0.012 (Kulla & Conty
-    2017). α = roughness². ``ior`` is relative to what is around the body; 1 is invisible, below 1 is a bubble. Radiance carried into the body is
+    which give back the light that meets them more than once, to 0.005 (Kulla & Conty 2017), or without the scene's ``energy_compensation`` lose
+    it. α = roughness². ``ior`` is relative to what is around the body; 1 is invisible, below 1 is a bubble. Radiance carried into the body is
     scaled by ior² (Veach 1997, §5.2).
 
     With a ``priority`` bodies may overlap, as water that reaches a little into its glass (Schmidt & Budge 2002): where they do, the one with the
@@ -81,6 +81,10 @@ class Dielectric(Material):
     @property
     def compensates(self) -> bool:  # type: ignore[override]
         return not self.purely_specular
+
+    @property
+    def energy_tolerance(self) -> float:  # type: ignore[override]
+        return 0.005 if self.compensates else 0.0
 
     @classmethod
     def examples(cls) -> list[Material]:

@@ -125,10 +125,20 @@ def _compiled(device: cl.Device, kind: str, parameters: tuple[tuple[str, str], .
     return Bsdf(device, kind, dict(parameters), features)
 
 
-def bsdf_of(device: cl.Device, material: Material, *, compensation: bool = False) -> Bsdf:
-    """The BSDF that shades ``material``, compiled once a device, kind and set of lobes; with or without ``ENERGY_COMPENSATION``."""
+def bsdf_of(device: cl.Device, material: Material, *, compensation: bool = True) -> Bsdf:
+    """The BSDF that shades ``material``, compiled once a device, kind and set of lobes; as scenes have it, or without ``ENERGY_COMPENSATION``."""
     features = material.device_features + (("ENERGY_COMPENSATION",) if compensation and material.compensates else ())
     return _compiled(device, material.device_kind, tuple(material.device_parameters.items()), features)
+
+
+def bsdf_of_kind(device: cl.Device, materials: list[Material], *, compensation: bool = True) -> tuple[Bsdf, dict[str, str]]:
+    """The BSDF that shades all of ``materials``, of one device kind, with every lobe that one of them has; and its parameters."""
+    parameters: dict[str, str] = {}
+    features = {"ENERGY_COMPENSATION"} if compensation and any(m.compensates for m in materials) else set()
+    for material in materials:
+        parameters |= material.device_parameters
+        features |= set(material.device_features)
+    return _compiled(device, materials[0].device_kind, tuple(parameters.items()), tuple(sorted(features))), parameters
 
 
 def uniform(generator: np.random.Generator, count: int, width: int = 3) -> Array:

@@ -18,10 +18,25 @@ Array = np.ndarray
 SAMPLES = 1 << 16
 PILOT_SAMPLES = 1 << 13
 
+TEXTBOOK = "-textbook"
+"""What the name of an example without energy compensation ends with."""
+
 EXAMPLES: dict[str, Material] = {
-    f"{kind}-{number}": material for kind, cls in MATERIALS.kinds().items() for number, material in enumerate(cls.examples())
+    f"{kind}-{number}{ending}": material for kind, cls in MATERIALS.kinds().items() for number, material in enumerate(cls.examples())
+    for ending in (("", TEXTBOOK) if material.compensates else ("",))
 }
-"""The examples of all kinds, by name."""
+"""The examples of all kinds, by name; those that know energy compensation with it and without."""
+
+
+def bsdf_of_example(device: cl.Device, name: str) -> Bsdf:
+    """The BSDF that shades the example."""
+    return bsdf_of(device, EXAMPLES[name], compensation=not name.endswith(TEXTBOOK))
+
+
+def energy_tolerance(name: str) -> float:
+    """How far from exact tables leave what the example scatters in all."""
+    return 0.0 if name.endswith(TEXTBOOK) else EXAMPLES[name].energy_tolerance
+
 
 ABOVE = {"0": direction(0.0, 0.0), "35": direction(35.0, 50.0), "65": direction(65.0, -110.0), "88": direction(88.0, 160.0)}
 BELOW = {"-20": -direction(20.0, 140.0), "-70": -direction(70.0, 10.0)}
@@ -77,7 +92,7 @@ class Study:
 def study(device: cl.Device, name: str, view: str) -> Study:
     """Measures the example ``name`` from ``view``."""
     material, wo = EXAMPLES[name], VIEWS[view]
-    bsdf, parameters = bsdf_of(device, material), pack(material)
+    bsdf, parameters = bsdf_of_example(device, name), pack(material)
     generator = np.random.default_rng(seed(name, view))
     pilot = bsdf.sample(parameters, wo, uniform(generator, PILOT_SAMPLES))
     samples = bsdf.sample(parameters, wo, uniform(generator, SAMPLES))
