@@ -81,6 +81,9 @@ class Bsdf:
             offset += 3 if sort == "spectrum" else 1
         if "WALKS" in features:
             members, loads = members + "    int inside;\n", loads + "    bsdf.inside = 0;\n"
+        if "DISPERSION" in features:
+            members += "    float3 share;\n    float3 spread;\n"
+            loads += "    bsdf.share = (float3)(1.0f / 3.0f);\n    bsdf.spread = dispersion_spread(0.5f);\n"
         struct = "".join(f"#define {name}\n" for name in features) + f"typedef struct {{\n{members}}} {kind}_t;\n"
         struct += "#define UNVECTORIZED __attribute__((vec_type_hint(float8)))\n"  # as the stages have it on CPUs (lumiere/wavefront/source.py)
         text = assemble(f"bsdf/{kind}.cl", struct) + KERNELS.replace("LOADS\n", loads).replace("NAME", kind)

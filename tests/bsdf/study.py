@@ -10,6 +10,7 @@ import numpy as np
 import pyopencl as cl
 
 from lumiere.bsdf import MATERIALS, Material
+from tests.bsdf.dispersion import channel_iors
 from tests.bsdf.harness import Bsdf, Samples, bsdf_of, direction, pack, uniform
 from tests.statistics import SPHERE_HIGH, SPHERE_LOW, Cells, rectangle_to_sphere, sphere_to_rectangle
 
@@ -46,6 +47,13 @@ CASES = [(name, view) for name, material in EXAMPLES.items() for view in [*ABOVE
 VIEWS = ABOVE | BELOW
 
 
+def iors(material: Material) -> Array:
+    """(3,) the index of each channel, inside over outside; where glass disperses, at the medians of their wavelengths."""
+    if not material.refracts:
+        return np.ones(3)
+    return channel_iors(material.ior, getattr(material, "abbe_number", None), 0.5)  # type: ignore[attr-defined]
+
+
 def seed(*words: object) -> int:
     """A seed that depends on the words alone."""
     return zlib.crc32(repr(words).encode())
@@ -69,22 +77,22 @@ class Study:
     f_error: Array
 
     @property
-    def crossing(self) -> float:
-        """η², by which radiance is divided where it crosses the surface from wo's side."""
-        if not self.material.refracts:
-            return 1.0
-        ior = float(self.material.ior)  # type: ignore[attr-defined]
-        return ior**2 if self.wo[2] > 0.0 else ior**-2
+    def crossing(self) -> Array:
+        """(3,) η², by which radiance is divided where it crosses the surface from wo's side."""
+        return iors(self.material) ** (2.0 if self.wo[2] > 0.0 else -2.0)
+
+    def lobes(self) -> list[Array]:
+        """Numbers of the samples of each Dirac lobe."""
+        s = self.samples
+        which = np.stack([s.wi[:, 2] > 0.0, s.eta], axis=1)
+        return [np.flatnonzero(s.specular & np.all(which == lobe, axis=1)) for lobe in np.unique(which[s.specular], axis=0)]
 
     def energy(self) -> tuple[Array, Array]:
         """(3,) fraction of the light that is scattered, by quadrature and the Dirac lobes' weights, and its error."""
         total = self.f.copy()
         s = self.samples
-        for above in (True, False):
-            lobe = np.flatnonzero(s.specular & ((s.wi[:, 2] > 0.0) == above))
-            if len(lobe):
-                first = lobe[0]
-                total += s.weight[first] * s.pdf[first] * s.eta[first] ** 2
+        for first, *_ in self.lobes():
+            total += s.weight[first] * s.pdf[first] * s.eta[first] ** 2
         return total, self.f_error + 2e-6
 
 
@@ -106,7 +114,7 @@ def study(device: cl.Device, name: str, view: str) -> Study:
         wi = rectangle_to_sphere(points)
         f, pdf = bsdf.evaluate(parameters, wo, wi)
         crosses = wi[:, 2] * wo[2] < 0.0
-        return np.concatenate([pdf[:, None], f * np.where(crosses, result.crossing, 1.0)[:, None]], axis=1)
+        return np.concatenate([pdf[:, None], f * np.where(crosses[:, None], result.crossing, 1.0)], axis=1)
 
     integrals, errors = cells.integrate(pdf_and_f, tolerance=2e-3)
     result.pdf, result.pdf_error = integrals[:, 0], errors[:, 0]

@@ -9,6 +9,7 @@ import pyopencl as cl
 import pytest
 
 from lumiere.bsdf import Material
+from lumiere.bsdf.dielectric import cauchy_dispersion
 from lumiere.scene.fields import fields_of
 from tests.bsdf.harness import bsdf_of_kind, uniform
 from tests.bsdf.study import EXAMPLES, TEXTBOOK, seed
@@ -22,6 +23,9 @@ DEVICE_KINDS: dict[str, list[Material]] = {}
 for _name, _material in EXAMPLES.items():
     DEVICE_KINDS.setdefault(_material.device_kind + (TEXTBOOK if _name.endswith(TEXTBOOK) else ""), []).append(_material)
 
+DERIVED = {"dispersion": [cauchy_dispersion(abbe_number) for abbe_number in (None, 1e8, 30.0, 1.0)]}
+"""Parameters that are no fields, over their range."""
+
 MOST_RECORDS = 20_000
 
 
@@ -30,6 +34,9 @@ def extreme_parameters(material: Material, parameters: dict[str, str], generator
     fields = fields_of(type(material))
     choices = []
     for name, sort in parameters.items():
+        if name in DERIVED:
+            choices.append([(x,) for x in DERIVED[name]])
+            continue
         field = fields[name]
         low = -np.inf if field.low is None else field.low
         high = np.inf if field.high is None else field.high
