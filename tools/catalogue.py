@@ -30,7 +30,8 @@ FOUR = [*ONE, {"type": "conductor", "metal": "gold", "roughness": 0.3}, {"type":
 ALL = [*FOUR, {"type": "oren_nayar"}, {"type": "phong", "specular": 0.3, "albedo": 0.5, "exponent": 30}, {"type": "mirror", "reflectance": 0.9},
        {"type": "conductor", "metal": "copper"}, {"type": "dielectric", "roughness": 0.3}, {"type": "thin_dielectric"},
        {"type": "principled", "base_color": [0.5, 0.2, 0.1], "roughness": 0.4},
-       {"type": "principled", "base_color": [0.2, 0.5, 0.1], "metallic": 0.5, "clearcoat": 1.0, "sheen": 0.5, "transmission": 0.5, "anisotropy": 0.5}]
+       {"type": "principled", "base_color": [0.2, 0.5, 0.1], "metallic": 0.5, "clearcoat": 1.0, "sheen": 0.5, "transmission": 0.5, "anisotropy": 0.5},
+       {"type": "subsurface", "radius": 0.1}]
 CATALOGUES = {"lambert only": ONE, "four kinds": FOUR, "the whole catalogue": ALL}
 
 SPHERES, MORE = 24, 10
@@ -76,6 +77,7 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=256, help="pixels each way")
     parser.add_argument("--spp", type=int, default=32)
     parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--builds", type=int, default=3, help="with empty caches")
     parser.add_argument("--build", type=Path, metavar="SCENE", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.build:
@@ -88,7 +90,7 @@ def main() -> None:
             for spheres in (SPHERES, SPHERES + MORE):
                 paths[name, spheres] = Path(folder) / f"{len(paths)}.json"
                 paths[name, spheres].write_text(json.dumps(scene(materials, spheres)), encoding="utf-8")
-        compiling = {name: median(build_seconds(paths[name, SPHERES], options.device) for _ in range(3)) for name in CATALOGUES}
+        compiling = {name: median(build_seconds(paths[name, SPHERES], options.device) for _ in range(options.builds)) for name in CATALOGUES}
         jobs = {name: prepare(paths[name, SPHERES], options.device, options.size, options.spp) for name in CATALOGUES}
         known = {name: {build.name for build in job.wavefront.builds} for name, job in jobs.items()}
         more = {name: [build.name for build in prepare(paths[name, SPHERES + MORE], options.device, options.size, options.spp).wavefront.builds

@@ -5,22 +5,28 @@ What a BSDF reflects of the light from one direction is what a layer below it do
 * GGX microfacets that only reflect, with Schlick's Fresnel reflectance F = f0 + (f90 − f0) (1 − cosθ)⁵. The reflectance is linear in f0 and f90,
   so that two functions of (μ, roughness) say all of it: E = A (f0 + (f90 − f0) (1 − c)⁵), A the reflectance for F = 1, and an effective cosine
   c = μ + α / (roughness + 0.1) κ: A and κ are smooth, and where the surface is smooth E = F(μ) exactly.
-* GGX interfaces between dielectrics: the fraction L that is lost, neither reflected nor refracted after one scattering, over (μ, roughness, η).
+* GGX interfaces between dielectrics: the fraction L that is lost, neither reflected nor refracted after one scattering, over (μ, roughness, η). Its
+  table's values are those whose interpolation is nearest to L everywhere, in least squares: L at the nodes would be thrice as far off between them.
 * Charlie sheen (Estevez & Kulla 2017).
 
 The cosine's axis is s = 2/π atan(√μ / (roughness √(1 − μ))), which spreads grazing angles as the roughness does. η's axis is
-y = ±√|(η − 1) / (η + 1)|, finer about 1, where L is steep.
+y = (1 − min(η, 1/η))^0.4, finer about 1, where L is steep; there are more nodes for η < 1, where reflection becomes total.
 
-Run it from anywhere; it takes a minute::
+Run it from anywhere; it takes five minutes::
 
     python tools/ggx_albedo.py
 """
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.linalg import lsqr
+from scipy.stats import qmc
 
 OUTPUT = Path(__file__).resolve().parent.parent / "cl" / "lib"
 
@@ -29,7 +35,11 @@ Array = np.ndarray
 SMALLEST_ROUGHNESS = 0.03
 """Stands for roughness 0, whose column is the limit of ever smoother surfaces."""
 GGX_COSINES, GGX_ROUGHNESSES = 24, 17
-INTERFACE_COSINES, INTERFACE_ROUGHNESSES, INTERFACE_INDICES = 15, 11, 33
+INTERFACE_COSINES, INTERFACE_ROUGHNESSES = 20, 15
+INTERFACE_INDICES_BELOW, INTERFACE_INDICES_ABOVE = 33, 17
+"""Nodes of y for η < 1 and for η > 1."""
+INTERFACE_SAMPLES = 17
+"""log₂ of the points at which L is fitted, on each side."""
 SHEEN_COSINES, SHEEN_ROUGHNESSES = 16, 16
 SMALLEST_SHEEN_ROUGHNESS = 0.1
 
@@ -140,15 +150,41 @@ def ggx_tables() -> tuple[Array, Array]:
     return table, np.array([average(lambda mu, r=r: both(mu, r)) for r in roughnesses])
 
 
+def interface_index(y: float) -> float:
+    """η < 1 of a node of the index's axis."""
+    return 1.0 - float(np.clip(y**2.5, 1e-6, 0.998))
+
+
+def fitted(function: Callable[[float, float, float], float], shape: tuple[int, int, int]) -> Array:
+    """Values at a grid over [0, 1]³ whose trilinear interpolation is nearest to ``function``, in least squares at the points of a Sobol sequence."""
+    points = qmc.Sobol(len(shape), seed=0).random_base2(INTERFACE_SAMPLES)
+    scaled = points * (np.array(shape) - 1)
+    first = np.minimum(scaled.astype(int), np.array(shape) - 2)
+    rest = scaled - first
+    weights, columns = [], []
+    for corner in itertools.product((0, 1), repeat=len(shape)):
+        weights.append(np.prod(np.where(corner, rest, 1.0 - rest), axis=1))
+        columns.append(np.ravel_multi_index(tuple((first + corner).T), shape))
+    rows = np.tile(np.arange(len(points)), len(weights))
+    matrix = coo_matrix((np.concatenate(weights), (rows, np.concatenate(columns))), shape=(len(points), int(np.prod(shape)))).tocsr()
+    # The damping decides at nodes that no point is near to.
+    return np.clip(lsqr(matrix, [function(*p) for p in points], damp=1e-3, iter_lim=300)[0], 0.0, 1.0).reshape(shape)
+
+
+def interface_side(indices: int, *, below: bool) -> Array:
+    """(y, roughness, s) L of one side."""
+
+    def lost(y: float, roughness: float, s: float) -> float:
+        r, eta = max(roughness, SMALLEST_ROUGHNESS), interface_index(y)
+        return loss(cosine(s, r), r * r, eta if below else 1.0 / eta, points=40)
+
+    return fitted(lost, (indices, INTERFACE_ROUGHNESSES, INTERFACE_COSINES))
+
+
 def interface_tables() -> tuple[Array, Array]:
-    """(η, roughness, s) L, and (η, roughness) its averages."""
+    """(y, roughness, s) L, of η < 1 and behind it of η > 1; and (y, roughness) its averages."""
+    table = np.concatenate([interface_side(INTERFACE_INDICES_BELOW, below=True), interface_side(INTERFACE_INDICES_ABOVE, below=False)])
     roughnesses = np.linspace(0.0, 1.0, INTERFACE_ROUGHNESSES)
-    table = np.zeros((INTERFACE_INDICES, INTERFACE_ROUGHNESSES, INTERFACE_COSINES))
-    for k, y in enumerate(np.linspace(-1.0, 1.0, INTERFACE_INDICES)):
-        x = np.clip(np.copysign(y * y, y), -0.998, 0.998)
-        eta = (1.0 + x) / (1.0 - x) if x != 0.0 else 1.0 + 1e-6
-        for j, r in enumerate(np.maximum(roughnesses, SMALLEST_ROUGHNESS)):
-            table[k, j] = [loss(cosine(s, r), r * r, eta) for s in np.linspace(0.0, 1.0, INTERFACE_COSINES)]
     averages = np.array([[average(lambda mu, r=r, t=t: bilinear(t, axis(mu, r), r)) for r in roughnesses] for t in table])
     return table, averages
 
@@ -162,13 +198,20 @@ def sheen_tables() -> tuple[Array, Array]:
 
 
 def rows(values: Array) -> str:
-    """Initialisers: of float2 where the last axis is 2, else of floats, eight a line."""
+    """Initialisers: of float2 where the last axis is 2, else of floats; of integers as they are."""
     if values.shape[-1] == 2:
         cells = [f"(float2)({a:.5f}f, {b:.5f}f)" for a, b in values.reshape(-1, 2)]
         width = 4
+    elif values.dtype == np.uint16:
+        cells, width = [str(x) for x in values.ravel()], 20
     else:
         cells, width = [f"{x:.5f}f" for x in values.ravel()], 13
     return ",\n".join("    " + ", ".join(cells[i:i + width]) for i in range(0, len(cells), width))
+
+
+def whole(values: Array) -> Array:
+    """In 65535ths."""
+    return np.round(65535.0 * values).astype(np.uint16)
 
 
 def write(name: str, title: str, defines: dict[str, object], arrays: list[tuple[str, str, Array]]) -> None:
@@ -188,12 +231,12 @@ def main() -> None:
         ("float2 ggx_albedo_average_table[GGX_ALBEDO_ROUGHNESSES]", "Cosine-weighted averages: .x of A, .y of A (1 − c)⁵.", averages)])
     table, averages = interface_tables()
     defines = {"INTERFACE_LOSS_COSINES": INTERFACE_COSINES, "INTERFACE_LOSS_ROUGHNESSES": INTERFACE_ROUGHNESSES,
-               "INTERFACE_LOSS_INDICES": INTERFACE_INDICES}
-    write("interface_albedo_table.cl", "What rough dielectric interfaces lose.", defines, [
-        ("float interface_loss_table[INTERFACE_LOSS_INDICES * INTERFACE_LOSS_ROUGHNESSES * INTERFACE_LOSS_COSINES]",
-         "L: rows of s for each roughness, for each y.", table),
-        ("float interface_loss_average_table[INTERFACE_LOSS_INDICES * INTERFACE_LOSS_ROUGHNESSES]",
-         "Cosine-weighted averages of L: a row of roughnesses for each y.", averages)])
+               "INTERFACE_LOSS_BELOW": INTERFACE_INDICES_BELOW, "INTERFACE_LOSS_ABOVE": INTERFACE_INDICES_ABOVE}
+    count = "(INTERFACE_LOSS_BELOW + INTERFACE_LOSS_ABOVE) * INTERFACE_LOSS_ROUGHNESSES"
+    write("interface_albedo_table.cl", "What rough dielectric interfaces lose, in 65535ths.", defines, [
+        (f"ushort interface_loss_table[{count} * INTERFACE_LOSS_COSINES]",
+         "L: rows of s for each roughness, for each y, of η < 1 and then of η > 1.", whole(table)),
+        (f"ushort interface_loss_average_table[{count}]", "Cosine-weighted averages of L: a row of roughnesses for each y.", whole(averages))])
     table, averages = sheen_tables()
     defines = {"SHEEN_COSINES": SHEEN_COSINES, "SHEEN_ROUGHNESSES": SHEEN_ROUGHNESSES, "SMALLEST_SHEEN_ROUGHNESS": f"{SMALLEST_SHEEN_ROUGHNESS}f"}
     write("sheen_albedo_table.cl", "Reflectance of sheen.", defines, [

@@ -21,11 +21,11 @@ import numpy as np
 
 OUTPUT = Path(__file__).resolve().parent.parent / "cl" / "bsdf" / "plastic_table.cl"
 
-V = np.linspace(0.0, 1.0, 13)
-ROUGHNESS = np.linspace(0.0, 1.0, 9)
+V = np.linspace(0.0, 1.0, 20)
+ROUGHNESS = np.linspace(0.0, 1.0, 13)
 SMALLEST_ROUGHNESS = 0.05
 """Stands for roughness 0, whose column is the limit of ever smoother coats."""
-KAPPA_NODES = np.cbrt([0.001, 0.1, 3.0 / 7.0])
+KAPPA_NODES = np.cbrt([0.001, 0.15, 3.0 / 7.0])
 """Nodes of ∛s between which κ is interpolated, s = (η − 1) / (η + 1); the last is η = 2.5."""
 AVERAGE_NODES = np.array([0.0, 0.1, 0.25, 3.0 / 7.0])
 """Nodes of s between which the cosine-weighted average is interpolated."""

@@ -3,7 +3,8 @@
     python tools/proof_sheet.py sheet.html                    # every kind, plug-ins too, on every OpenCL device present
     python tools/proof_sheet.py --kind principled sheet.html
 
-The measurements are those of tests/bsdf and tests/material, whose functions it calls. The command's status is 1 where something failed.
+Kinds that know energy compensation are measured with it, and without it as «textbook». A mix, which has no BSDF of its own, is measured by its
+picture. The measurements are those of tests/bsdf and tests/material, whose functions it calls. The command's status is 1 where something failed.
 """
 
 from __future__ import annotations
@@ -27,9 +28,10 @@ import pytest
 
 import lumiere
 from lumiere.bsdf import MATERIALS, Material
+from lumiere.bsdf.mix import Mix
 from tests.bsdf import test_extremes, test_sampling
-from tests.bsdf.study import ABOVE, BELOW, EXAMPLES, study
-from tests.material import test_energy
+from tests.bsdf.study import ABOVE, BELOW, EXAMPLES, TEXTBOOK, study
+from tests.material import test_energy, test_mix
 from tests.statistics import chi_square
 
 STYLE = """
@@ -94,10 +96,11 @@ def incidence(device: Any, name: str, view: str) -> Iterator[Cell]:
 COLUMNS = ("view", "χ²", "∫ pdf", "weight = eval / pdf", "mean weight = ∫ f cosθ", "albedo ≤ 1", "finite, unit, positive")
 
 
-def picture(device: Any, material: Material, size: int, spp: int) -> str:
+def picture(device: Any, material: Material, size: int, spp: int, *, compensation: bool = True) -> str:
     """A sphere of the material on a checkered floor, as a data URL."""
     scene = lumiere.load({"scene": {
-        "film": {"width": size, "height": size}, "camera": {"position": [0, 1.2, 5], "look_at": [0, 0, 0], "fov": 30},
+        "film": {"width": size, "height": size}, "integrator": {"energy_compensation": compensation},
+        "camera": {"position": [0, 1.2, 5], "look_at": [0, 0, 0], "fov": 30},
         "materials": {"proof": {"type": "lambert"}, "floor": {"type": "lambert", "albedo": {"type": "checker", "a": 0.6, "b": 0.1, "scale": 8}}},
         "geometry": [{"type": "sphere", "position": [0, 0, 0], "radius": 1, "material": "proof"},
                      {"type": "rectangle", "transform": [{"scale": [4, 4, 1]}, {"rotate": {"axis": [1, 0, 0], "angle": -90}}, {"translate": [0, -1, 0]}],
@@ -111,11 +114,11 @@ def picture(device: Any, material: Material, size: int, spp: int) -> str:
         return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode()
 
 
-def described(material: Material) -> str:
-    """The values that are not their defaults."""
+def described(material: Material, name: str = "") -> str:
+    """The values that are not their defaults; whether the example ``name`` is without energy compensation."""
     own = [f for f in dataclasses.fields(material) if f.name in type(material).__annotations__]
     changed = [f"{f.name} {getattr(material, f.name)}" for f in own if getattr(material, f.name) != f.default]
-    return ", ".join(changed) or "as it is by default"
+    return (", ".join(changed) or "as it is by default") + ("; textbook" if name.endswith(TEXTBOOK) else "")
 
 
 def furnace(device: Any, material: Material) -> Cell:
@@ -141,16 +144,32 @@ def kind_part(sheet: Sheet, device: Any, kind: str, views: list[str], size: int,
         if not material.purely_specular:
             rows.append("<td>reciprocity</td>" + sheet.cell(checked(test_sampling.test_reciprocity, device, name)))
         table = "".join(f"<tr>{row}</tr>" for row in rows)
-        sheet.parts.append(f'<h3>{html.escape(described(material))}</h3><div class="example">'
-                           f'<img src="{picture(device, material, size, spp)}" alt="{name}"><table>{table}</table></div>')
+        drawn = picture(device, material, size, spp, compensation=not name.endswith(TEXTBOOK))
+        sheet.parts.append(f'<h3>{html.escape(described(material, name))}</h3><div class="example">'
+                           f'<img src="{drawn}" alt="{name}"><table>{table}</table></div>')
     rows = ["<th>device kind</th><th>extremes of all parameters, grazing angles: finite, not negative</th>"]
-    rows += [f"<td>{k}</td>" + sheet.cell(checked(test_extremes.test_extremes, device, k)) for k in sorted({m.device_kind for m in examples.values()})]
+    rows += [f"<td>{k}</td>" + sheet.cell(checked(test_extremes.test_extremes, device, k))
+             for k, members in test_extremes.DEVICE_KINDS.items() if members[0].type == kind]
     sheet.parts.append("<table>" + "".join(f"<tr>{row}</tr>" for row in rows) + "</table>")
     white = [m for m in test_energy.FURNACES if m.type == kind]
     if white:
         rows = ["<th>white furnace, compensated</th><th>largest distance from 1</th>"]
         rows += [f"<td>{html.escape(described(m))}</td>" + sheet.cell(furnace(device, m)) for m in white]
         sheet.parts.append("<table>" + "".join(f"<tr>{row}</tr>" for row in rows) + "</table>")
+
+
+def mix_part(sheet: Sheet, device: Any, size: int, spp: int) -> None:
+    """The part of mixes on one device: their pictures are the mixtures of their parts' pictures."""
+    sheet.parts.append(f"<h2>mix</h2><p>{html.escape((Mix.__doc__ or '').strip().splitlines()[0])}</p>")
+    rows = ["<th>weight</th><th>of the same kind</th><th>of another kind</th>"]
+    for weight in (0.0, 0.3, 1.0):
+        parts = (test_mix.RED, test_mix.METAL)
+        rows.append(f"<td>{weight}</td>" + "".join(sheet.cell(checked(test_mix.test_a_mix_is_the_mixture, device, weight, part)) for part in parts))
+    rows.append("<td>in a mix</td>" + sheet.cell(checked(test_mix.test_mixes_in_mixes, device)) + "<td></td>")
+    rows.append("<td>textured</td>" + sheet.cell(checked(test_mix.test_a_textured_weight, device)) + "<td></td>")
+    gold, plastic = MATERIALS.kinds()["conductor"](metal="gold", roughness=0.3), MATERIALS.kinds()["plastic"](albedo=(0.1, 0.3, 0.6))
+    table = "".join(f"<tr>{row}</tr>" for row in rows)
+    sheet.parts.append(f'<div class="example"><img src="{picture(device, Mix(a=gold, b=plastic), size, spp)}" alt="mix"><table>{table}</table></div>')
 
 
 def devices() -> list[Any]:
@@ -168,6 +187,8 @@ def make(kinds: list[str], views: list[str], size: int = 96, spp: int = 64, on: 
         for kind in kinds:
             if any(m.type == kind for m in EXAMPLES.values()):
                 kind_part(sheet, device, kind, views, size, spp)
+            elif kind == Mix.type:
+                mix_part(sheet, device, size, spp)
     head = f"<p>{sheet.passed} hold, {sheet.failed} fail. Lumière {lumiere.__version__}.</p>"
     begin = f'<!doctype html><html lang="en"><meta charset="utf-8"><title>Materials: proof sheet</title><style>{STYLE}</style>'
     return f"{begin}{head}{''.join(sheet.parts)}</html>", sheet.passed, sheet.failed

@@ -2,6 +2,7 @@
 // The normal points out of the material: wo.z > 0 is outside.
 
 #include "bsdf/contract.cl"
+#include "lib/dispersion.cl"
 #include "lib/specular.cl"
 
 static inline float3 dielectric_eval(const dielectric_t *bsdf, float3 wo, float3 wi)
@@ -16,7 +17,12 @@ static inline float dielectric_pdf(const dielectric_t *bsdf, float3 wo, float3 w
 
 static inline bsdf_sample_t dielectric_sample(const dielectric_t *bsdf, float3 wo, float3 u)
 {
-    return interface_sample(bsdf->ior, crossing_tint(bsdf->transmittance, bsdf->transmittance_distance), wo, u.x);
+    const float3 tint = crossing_tint(bsdf->transmittance, bsdf->transmittance_distance);
+#ifdef DISPERSION
+    return dispersed_interface_sample(dispersed_iors(bsdf->ior, bsdf->dispersion, bsdf->spread), bsdf->share, tint, wo, u.x);
+#else
+    return interface_sample(bsdf->ior, tint, wo, u.x);
+#endif
 }
 
 // What the body leaves of light that has crossed it.

@@ -8,11 +8,15 @@
 // is the fraction above. It is the coupling of Ashikhmin, Premože & Shirley 2000 and of Kelemen & Szirmay-Kalos 2001, with the internal
 // reflection of Jakob's roughplastic (Mitsuba, `nonlinear`). At a = 1 every direction reflects all.
 //
-// E and the average T̄ come from a table: tools/plastic_coat.py.
+// Without ENERGY_COMPENSATION what meets a second facet is lost: of the light from outside L(w), T(w) = 1 − E(w) − L(w), of that from inside
+// L̄′ on average, which adds a η² L̄′ to the denominator.
+//
+// E and the average T̄ come from a table, tools/plastic_coat.py; L from lib/interface_albedo.cl.
 
 #include "bsdf/contract.cl"
 #include "bsdf/plastic_table.cl"
 #include "lib/fresnel.cl"
+#include "lib/interface_albedo.cl"
 #include "lib/math.cl"
 #include "lib/microfacet.cl"
 #include "lib/warp.cl"
@@ -71,24 +75,45 @@ static inline float plastic_coat_reflectance(const plastic_coat_t *coat, float m
     return t.x * fresnel_dielectric(clamp(c, 0.0f, 1.0f), coat->ior, &cos_t);
 }
 
+// T(w), from E(w).
+static inline float plastic_coat_transmittance(const plastic_coat_t *coat, float mu, float reflectance)
+{
+#ifdef ENERGY_COMPENSATION
+    return 1.0f - reflectance;
+#else
+    return coat->smooth ? 1.0f - reflectance : fmax(0.0f, 1.0f - reflectance - interface_loss(coat->roughness, coat->ior, mu));
+#endif
+}
+
+// T̄.
 static inline float plastic_coat_average_transmittance(const plastic_coat_t *coat)
 {
     const float y = (float)(PLASTIC_TABLE_ROUGHNESS - 1) * coat->roughness;
     const int j = min((int)y, PLASTIC_TABLE_ROUGHNESS - 2);
-    return dot(mix(plastic_average_table[j], plastic_average_table[j + 1], y - (float)j), coat->average);
+    const float average = dot(mix(plastic_average_table[j], plastic_average_table[j + 1], y - (float)j), coat->average);
+#ifdef ENERGY_COMPENSATION
+    return average;
+#else
+    return coat->smooth ? average : fmax(0.0f, average - interface_loss_average(coat->roughness, coat->ior));
+#endif
 }
 
 // The base as seen through the coat, over T(wo) T(wi) cosθi / π.
 static inline float3 plastic_base(const plastic_t *bsdf, const plastic_coat_t *coat)
 {
     const float3 a = bsdf->albedo;
-    return a / (coat->ior * coat->ior * (1.0f - a) + a * plastic_coat_average_transmittance(coat));
+    const float ior2 = coat->ior * coat->ior;
+    float inside = plastic_coat_average_transmittance(coat);
+#ifndef ENERGY_COMPENSATION
+    inside += coat->smooth ? 0.0f : ior2 * interface_loss_average(coat->roughness, 1.0f / coat->ior);
+#endif
+    return a / (ior2 * (1.0f - a) + a * inside);
 }
 
 // Probability of sampling the coat: its share of what is reflected towards wo.
-static inline float plastic_coat_probability(const plastic_t *bsdf, const plastic_coat_t *coat, float reflectance)
+static inline float plastic_coat_probability(const plastic_t *bsdf, const plastic_coat_t *coat, float mu, float reflectance)
 {
-    const float base = (1.0f - reflectance) * plastic_coat_average_transmittance(coat) * luminance(plastic_base(bsdf, coat));
+    const float base = plastic_coat_transmittance(coat, mu, reflectance) * plastic_coat_average_transmittance(coat) * luminance(plastic_base(bsdf, coat));
     return reflectance + base > 0.0f ? reflectance / (reflectance + base) : 0.0f;
 }
 
@@ -97,7 +122,8 @@ static inline float3 plastic_eval(const plastic_t *bsdf, float3 wo, float3 wi)
     if (wo.z <= 0.0f || wi.z <= 0.0f)
         return (float3)(0.0f);
     const plastic_coat_t coat = plastic_coat_new(bsdf);
-    const float through = (1.0f - plastic_coat_reflectance(&coat, wo.z)) * (1.0f - plastic_coat_reflectance(&coat, wi.z));
+    const float through = plastic_coat_transmittance(&coat, wo.z, plastic_coat_reflectance(&coat, wo.z))
+                        * plastic_coat_transmittance(&coat, wi.z, plastic_coat_reflectance(&coat, wi.z));
     float3 f = plastic_base(bsdf, &coat) * (through * INV_PI * wi.z);
     if (!coat.smooth) {
         const float3 m = normalize(wo + wi);
@@ -113,7 +139,7 @@ static inline float plastic_pdf(const plastic_t *bsdf, float3 wo, float3 wi)
     if (wo.z <= 0.0f || wi.z <= 0.0f)
         return 0.0f;
     const plastic_coat_t coat = plastic_coat_new(bsdf);
-    const float coat_probability = plastic_coat_probability(bsdf, &coat, plastic_coat_reflectance(&coat, wo.z));
+    const float coat_probability = plastic_coat_probability(bsdf, &coat, wo.z, plastic_coat_reflectance(&coat, wo.z));
     float pdf = (1.0f - coat_probability) * INV_PI * wi.z;
     if (!coat.smooth)
         pdf += coat_probability * 0.25f * ggx_g1_over_cos(coat.ggx, wo) * ggx_density(coat.ggx, normalize(wo + wi));
@@ -127,7 +153,7 @@ static inline bsdf_sample_t plastic_sample(const plastic_t *bsdf, float3 wo, flo
         return s;
     const plastic_coat_t coat = plastic_coat_new(bsdf);
     const float reflectance = plastic_coat_reflectance(&coat, wo.z);
-    const float coat_probability = plastic_coat_probability(bsdf, &coat, reflectance);
+    const float coat_probability = plastic_coat_probability(bsdf, &coat, wo.z, reflectance);
     const bool coat_picked = u.x < coat_probability;
     if (coat_picked && coat.smooth) {
         s.wi = (float3)(-wo.x, -wo.y, wo.z);

@@ -9,11 +9,15 @@
 #include "lib/interface_albedo_table.cl"
 #include "lib/math.cl"
 
-// Where η lies on the tables' axis: y = ±√|(η − 1) / (η + 1)|.
-static inline float interface_axis(float eta)
+// Where η lies on the tables' axis of y = (1 − min(η, 1/η))^0.4: *row is the first of the two rows, the value how far it is to the next.
+static inline float interface_axis(float eta, int *row)
 {
-    const float x = (eta - 1.0f) / (eta + 1.0f);
-    return 0.5f * (float)(INTERFACE_LOSS_INDICES - 1) * (1.0f + copysign(sqrt(fabs(x)), x));
+    const bool below = eta < 1.0f;
+    const int rows = below ? INTERFACE_LOSS_BELOW : INTERFACE_LOSS_ABOVE;
+    const float y = (float)(rows - 1) * pow(clamp(1.0f - (below ? eta : 1.0f / eta), 0.0f, 1.0f), 0.4f);
+    const int k = min((int)y, rows - 2);
+    *row = below ? k : INTERFACE_LOSS_BELOW + k;
+    return y - (float)k;
 }
 
 // L for light of cosine mu ≥ 0 from the side where eta is the far side's index over the near side's.
@@ -21,25 +25,28 @@ static inline float interface_loss(float roughness, float eta, float mu)
 {
     const float r = clamp(roughness, SMOOTH_ROUGHNESS, 1.0f);
     const float x = (float)(INTERFACE_LOSS_COSINES - 1) * clamp(albedo_axis(r, clamp(mu, 0.0f, 1.0f)), 0.0f, 1.0f);
-    const float y = (float)(INTERFACE_LOSS_ROUGHNESSES - 1) * r, z = interface_axis(eta);
+    const float y = (float)(INTERFACE_LOSS_ROUGHNESSES - 1) * r;
     const int i = min((int)x, INTERFACE_LOSS_COSINES - 2), j = min((int)y, INTERFACE_LOSS_ROUGHNESSES - 2);
-    const int k = clamp((int)z, 0, INTERFACE_LOSS_INDICES - 2);
-    constant const float *t = interface_loss_table + (k * INTERFACE_LOSS_ROUGHNESSES + j) * INTERFACE_LOSS_COSINES + i;
+    int k;
+    const float fx = x - (float)i, fy = y - (float)j, fz = interface_axis(eta, &k);
+    constant const ushort *t = interface_loss_table + (k * INTERFACE_LOSS_ROUGHNESSES + j) * INTERFACE_LOSS_COSINES + i;
     const int up = INTERFACE_LOSS_COSINES, beyond = INTERFACE_LOSS_ROUGHNESSES * INTERFACE_LOSS_COSINES;
-    const float fx = x - (float)i, fy = y - (float)j;
-    const float near_side = mix(mix(t[0], t[1], fx), mix(t[up], t[up + 1], fx), fy);
-    const float far_side = mix(mix(t[beyond], t[beyond + 1], fx), mix(t[beyond + up], t[beyond + up + 1], fx), fy);
-    return clamp(mix(near_side, far_side, z - (float)k), 0.0f, 1.0f);
+    const float near_row = mix(mix((float)t[0], (float)t[1], fx), mix((float)t[up], (float)t[up + 1], fx), fy);
+    t += beyond;
+    const float far_row = mix(mix((float)t[0], (float)t[1], fx), mix((float)t[up], (float)t[up + 1], fx), fy);
+    return mix(near_row, far_row, fz) * (1.0f / 65535.0f);
 }
 
 // L̄.
 static inline float interface_loss_average(float roughness, float eta)
 {
-    const float y = (float)(INTERFACE_LOSS_ROUGHNESSES - 1) * clamp(roughness, SMOOTH_ROUGHNESS, 1.0f), z = interface_axis(eta);
-    const int j = min((int)y, INTERFACE_LOSS_ROUGHNESSES - 2), k = clamp((int)z, 0, INTERFACE_LOSS_INDICES - 2);
-    constant const float *t = interface_loss_average_table + k * INTERFACE_LOSS_ROUGHNESSES + j;
-    const float fy = y - (float)j;
-    return mix(mix(t[0], t[1], fy), mix(t[INTERFACE_LOSS_ROUGHNESSES], t[INTERFACE_LOSS_ROUGHNESSES + 1], fy), z - (float)k);
+    const float y = (float)(INTERFACE_LOSS_ROUGHNESSES - 1) * clamp(roughness, SMOOTH_ROUGHNESS, 1.0f);
+    const int j = min((int)y, INTERFACE_LOSS_ROUGHNESSES - 2);
+    int k;
+    const float fy = y - (float)j, fz = interface_axis(eta, &k);
+    constant const ushort *t = interface_loss_average_table + k * INTERFACE_LOSS_ROUGHNESSES + j;
+    const int up = INTERFACE_LOSS_ROUGHNESSES;
+    return mix(mix((float)t[0], (float)t[1], fy), mix((float)t[up], (float)t[up + 1], fy), fz) * (1.0f / 65535.0f);
 }
 
 // 1 − F̄, the average transmittance of a smooth interface (fit of Kulla & Conty 2017 for η ≥ 1; below it, 1 − F̄(1/η) = (1 − F̄(η)) / η²).

@@ -7,6 +7,7 @@
 // Dimensions. Those of a path's vertex follow DIMENSION_VERTEX + depth × DIMENSIONS_A_VERTEX.
 #define DIMENSION_FILM 0u
 #define DIMENSION_LENS 1u
+#define DIMENSION_WAVELENGTH 2u // of each channel, where glass disperses (lib/dispersion.cl)
 #define DIMENSION_VERTEX 8u
 #define DIMENSIONS_A_VERTEX 8u
 #define DIMENSION_LIGHT 0u      // which light, and where on it

@@ -353,6 +353,13 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
 #ifdef VERTEX_NORMALS
     lift_point(object, &vertex);
 #endif
+#ifdef DISPERSION
+    const sequence_t sampler = sequence_new(scene, path_get_seed(path, slot), path_get_index(path, slot));
+    const float3 carried = fabs(throughput);
+    const float sum = carried.x + carried.y + carried.z;
+    bsdf.share = sum > 0.0f ? carried / sum : (float3)(1.0f / 3.0f);
+    bsdf.spread = dispersion_spread(unit_float(sample_1d(&sampler, DIMENSION_WAVELENGTH)));
+#endif
 #ifdef NEXT_EVENT_ESTIMATION
     *connects = sample_light(scene, path, slot, &bsdf, &vertex, throughput);
 #endif

@@ -16,9 +16,9 @@ class Conductor(Material):
     """Metal, by its complex index of refraction ``eta`` + i ``k`` relative to what is around it: named, or given.
 
     Fresnel's equations for conductors (Born & Wolf 1999, §14.2); where rough, GGX microfacets with height-correlated Smith shadowing
-    (Walter et al. 2007; Heitz 2014), which lose the light that would scatter more than once, or with the scene's ``energy_compensation`` give
-    it back, to 0.005 (Kulla & Conty 2017). α = roughness², stretched along the u
-    direction of the surface's uv by ``anisotropy`` as Burley 2012 does: αx / αy = 1 / (1 − 0.9 anisotropy).
+    (Walter et al. 2007; Heitz 2014), which give back the light that meets them more than once, to 0.005 (Kulla & Conty 2017), or without the
+    scene's ``energy_compensation`` lose it. α = roughness², stretched along the u direction of the surface's uv by ``anisotropy`` as Burley 2012
+    does: αx / αy = 1 / (1 − 0.9 anisotropy).
     """
 
     type: ClassVar[str] = "conductor"
@@ -54,6 +54,10 @@ class Conductor(Material):
     @property
     def compensates(self) -> bool:  # type: ignore[override]
         return not self.purely_specular
+
+    @property
+    def energy_tolerance(self) -> float:  # type: ignore[override]
+        return 0.005 if self.compensates else 0.0
 
     def device_values(self) -> dict[str, Any]:
         eta, k = METALS[self.metal or "none"] if self.eta is None else (self.eta, self.k)

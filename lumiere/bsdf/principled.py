@@ -25,6 +25,7 @@ class Principled(Material):
     """
 
     type: ClassVar[str] = "principled"
+    energy_tolerance: ClassVar[float] = 0.005
 
     base_color: Spectrum | Any = spectrum(0.8, high=1.0, textured=True,
                                           doc="of the base, of metal head on, and of light that has crossed the body's surface twice")
@@ -57,10 +58,6 @@ class Principled(Material):
     @property
     def reflective(self) -> bool:  # type: ignore[override]
         return not (self.refracts or _used(self.subsurface))
-
-    @property
-    def energy_tolerance(self) -> float:  # type: ignore[override]
-        return 0.012 if self.refracts else 0.005
 
     @property
     def device_features(self) -> tuple[str, ...]:  # type: ignore[override]

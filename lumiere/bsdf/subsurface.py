@@ -53,7 +53,7 @@ class Subsurface(Material):
 
     @property
     def energy_tolerance(self) -> float:  # type: ignore[override]
-        return 0.0 if self.purely_specular else 0.012
+        return 0.0 if self.purely_specular else 0.005
 
     @classmethod
     def examples(cls) -> list[Material]:

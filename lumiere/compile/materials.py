@@ -71,6 +71,7 @@ def bsdf_source(kind: str, parameters: dict[str, str], textured: tuple[str, ...]
     """``scene/bsdf.cl`` of a kind: NAME_t, the kind's own file, and NAME_load, which looks its textures up."""
     members = "".join(f"    {'float3' if sort == 'spectrum' else 'float'} {name};\n" for name, sort in parameters.items())
     members += "    int inside;\n" if "WALKS" in features else ""  # the path has come through the body: set by shade
+    members += "    float3 share;\n    float3 spread;\n" if "DISPERSION" in features else ""  # of what the path carries, by channel; of wavelengths
     loads = []
     for name, sort in parameters.items():
         constant = f"load3(record->{name})" if sort == "spectrum" else f"record->{name}"

@@ -60,7 +60,7 @@ class Integrator:
     russian_roulette_depth: int | None = integer(5, low=0, high=65535, nullable=True, doc="roulette starts behind this event; null = never")
     light_sampling: str = choice("mis", ["mis", "light", "bsdf"], doc="how direct light is found")
     clamp_indirect: float | None = number(None, low=0.0, low_open=True, nullable=True, doc="largest indirect sample; null = off, else a bias")
-    energy_compensation: bool = boolean(False, doc="rough surfaces give back the light that meets their facets more than once")
+    energy_compensation: bool = boolean(True, doc="rough surfaces give back the light that meets their facets more than once")
 
 
 @dataclass(kw_only=True)

@@ -81,6 +81,9 @@ class Bsdf:
             offset += 3 if sort == "spectrum" else 1
         if "WALKS" in features:
             members, loads = members + "    int inside;\n", loads + "    bsdf.inside = 0;\n"
+        if "DISPERSION" in features:
+            members += "    float3 share;\n    float3 spread;\n"
+            loads += "    bsdf.share = (float3)(1.0f / 3.0f);\n    bsdf.spread = dispersion_spread(0.5f);\n"
         struct = "".join(f"#define {name}\n" for name in features) + f"typedef struct {{\n{members}}} {kind}_t;\n"
         struct += "#define UNVECTORIZED __attribute__((vec_type_hint(float8)))\n"  # as the stages have it on CPUs (lumiere/wavefront/source.py)
         text = assemble(f"bsdf/{kind}.cl", struct) + KERNELS.replace("LOADS\n", loads).replace("NAME", kind)
@@ -125,10 +128,20 @@ def _compiled(device: cl.Device, kind: str, parameters: tuple[tuple[str, str], .
     return Bsdf(device, kind, dict(parameters), features)
 
 
-def bsdf_of(device: cl.Device, material: Material, *, compensation: bool = False) -> Bsdf:
-    """The BSDF that shades ``material``, compiled once a device, kind and set of lobes; with or without ``ENERGY_COMPENSATION``."""
+def bsdf_of(device: cl.Device, material: Material, *, compensation: bool = True) -> Bsdf:
+    """The BSDF that shades ``material``, compiled once a device, kind and set of lobes; as scenes have it, or without ``ENERGY_COMPENSATION``."""
     features = material.device_features + (("ENERGY_COMPENSATION",) if compensation and material.compensates else ())
     return _compiled(device, material.device_kind, tuple(material.device_parameters.items()), features)
+
+
+def bsdf_of_kind(device: cl.Device, materials: list[Material], *, compensation: bool = True) -> tuple[Bsdf, dict[str, str]]:
+    """The BSDF that shades all of ``materials``, of one device kind, with every lobe that one of them has; and its parameters."""
+    parameters: dict[str, str] = {}
+    features = {"ENERGY_COMPENSATION"} if compensation and any(m.compensates for m in materials) else set()
+    for material in materials:
+        parameters |= material.device_parameters
+        features |= set(material.device_features)
+    return _compiled(device, materials[0].device_kind, tuple(parameters.items()), tuple(sorted(features))), parameters
 
 
 def uniform(generator: np.random.Generator, count: int, width: int = 3) -> Array:

@@ -8,26 +8,35 @@ import numpy as np
 import pyopencl as cl
 import pytest
 
-from lumiere.bsdf import MATERIALS, Material
+from lumiere.bsdf import Material
+from lumiere.bsdf.dielectric import cauchy_dispersion
 from lumiere.scene.fields import fields_of
-from tests.bsdf.harness import bsdf_of, uniform
-from tests.bsdf.study import seed
+from tests.bsdf.harness import bsdf_of_kind, uniform
+from tests.bsdf.study import EXAMPLES, TEXTBOOK, seed
 
 NUMBERS = (0.0, 1e-6, 1e-3, 0.0099, 0.01, 0.3, 1.0, 1.0001, 1.5, 2.5, 4.0, 1e3, 1e8)
 SPECTRA = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (1.0, 0.0, 0.5))
 COSINES = (1.0, 0.99999, 0.7, 0.1, 1e-3, 1e-5, 1e-7, 1e-20, 0.0)
 
-DEVICE_KINDS: dict[str, Material] = {m.device_kind: m for cls in MATERIALS.kinds().values() for m in cls.examples()}
+DEVICE_KINDS: dict[str, list[Material]] = {}
+"""The examples that each device kind shades, with energy compensation and, by another name, without."""
+for _name, _material in EXAMPLES.items():
+    DEVICE_KINDS.setdefault(_material.device_kind + (TEXTBOOK if _name.endswith(TEXTBOOK) else ""), []).append(_material)
 
+DERIVED = {"dispersion": [cauchy_dispersion(abbe_number) for abbe_number in (None, 1e8, 30.0, 1.0)]}
+"""Parameters that are no fields, over their range."""
 
 MOST_RECORDS = 20_000
 
 
-def extreme_parameters(material: Material, generator: np.random.Generator) -> np.ndarray:
+def extreme_parameters(material: Material, parameters: dict[str, str], generator: np.random.Generator) -> np.ndarray:
     """(n, floats) records: all combinations of the extreme values that the fields' bounds allow, or MOST_RECORDS drawn from them."""
     fields = fields_of(type(material))
     choices = []
-    for name, sort in material.device_parameters.items():
+    for name, sort in parameters.items():
+        if name in DERIVED:
+            choices.append([(x,) for x in DERIVED[name]])
+            continue
         field = fields[name]
         low = -np.inf if field.low is None else field.low
         high = np.inf if field.high is None else field.high
@@ -51,10 +60,11 @@ def grid(generator: np.random.Generator) -> np.ndarray:
 
 @pytest.mark.parametrize("kind", DEVICE_KINDS)
 def test_extremes(device: cl.Device, kind: str) -> None:
-    material = DEVICE_KINDS[kind]
-    bsdf = bsdf_of(device, material)
+    materials = DEVICE_KINDS[kind]
+    bsdf, declared = bsdf_of_kind(device, materials, compensation=not kind.endswith(TEXTBOOK))
+    reflective = all(material.reflective for material in materials)
     generator = np.random.default_rng(seed("extremes", kind))
-    records, directions = extreme_parameters(material, generator), grid(generator)
+    records, directions = extreme_parameters(materials[0], declared, generator), grid(generator)
     pairs = np.array(list(itertools.product(range(len(directions)), repeat=2)))
     count = min(400_000, len(records) * len(pairs))
     pair = pairs[generator.integers(0, len(pairs), count)]
@@ -64,7 +74,7 @@ def test_extremes(device: cl.Device, kind: str) -> None:
     f, pdf = bsdf.evaluate(parameters, wo, wi)
     assert np.all(np.isfinite(f)) and np.all(f >= 0.0)
     assert np.all(np.isfinite(pdf)) and np.all(pdf >= 0.0)
-    if material.reflective:
+    if reflective:
         behind = (wo[:, 2] <= 0.0) | (wi[:, 2] <= 0.0)
         assert np.all(f[behind] == 0.0) and np.all(pdf[behind] == 0.0)
 
@@ -77,7 +87,7 @@ def test_extremes(device: cl.Device, kind: str) -> None:
     assert np.all(s.weight >= 0.0) and np.all(s.pdf >= 0.0) and np.all(s.eta > 0.0)
     assert np.all(np.abs(np.linalg.norm(s.wi, axis=1) - 1.0) < 2e-6)
     assert np.all(s.weight[s.failed] == 0.0)
-    if material.reflective:
+    if reflective:
         assert np.all(s.failed[wo[:, 2] <= 0.0])
 
     albedo = bsdf.albedo(records)

@@ -9,8 +9,8 @@ import numpy as np
 import pyopencl as cl
 import pytest
 
-from tests.bsdf.harness import bsdf_of, pack, uniform
-from tests.bsdf.study import CASES, EXAMPLES, SAMPLES, Study, seed, study
+from tests.bsdf.harness import pack, uniform
+from tests.bsdf.study import CASES, EXAMPLES, SAMPLES, Study, bsdf_of_example, energy_tolerance, iors, seed, study
 from tests.statistics import chi_square, mean_and_variance, sidak, sphere_to_rectangle, z_test
 
 SIGNIFICANCE = sidak(1e-3, len(CASES))
@@ -27,10 +27,9 @@ def counts(measured: Study) -> tuple[np.ndarray, np.ndarray]:
     s = measured.samples
     observed = list(measured.cells.count(sphere_to_rectangle(s.wi[~s.failed & ~s.specular])))
     expected = list(SAMPLES * measured.pdf)
-    for above in (True, False):
-        lobe = s.specular & ((s.wi[:, 2] > 0.0) == above)
-        observed.append(np.count_nonzero(lobe))
-        expected.append(SAMPLES * s.pdf[lobe][0] if lobe.any() else 0.0)
+    for lobe in measured.lobes():
+        observed.append(len(lobe))
+        expected.append(SAMPLES * s.pdf[lobe[0]])
     observed.append(np.count_nonzero(s.failed))
     expected.append(max(0.0, SAMPLES - sum(expected)))
     return np.array(observed, float), np.array(expected, float)
@@ -47,8 +46,7 @@ def test_density_is_normalised(device: cl.Device, name: str, view: str) -> None:
     """The density and the Dirac lobes' probabilities make 1, less the failures' probability."""
     measured = study(device, name, view)
     s = measured.samples
-    lobes = sum(s.pdf[lobe][0] for above in (True, False) if (lobe := s.specular & ((s.wi[:, 2] > 0.0) == above)).any())
-    total = measured.pdf.sum() + lobes
+    total = measured.pdf.sum() + sum(s.pdf[lobe[0]] for lobe in measured.lobes())
     error = measured.pdf_error.sum() + 1e-6
     assert total <= 1.0 + error
     failures = np.mean(s.failed)
@@ -87,7 +85,7 @@ def test_weights_estimate_the_energy(device: cl.Device, name: str, view: str) ->
     energy, error = measured.energy()
     s = measured.samples
     crosses = s.wi[:, 2] * measured.wo[2] < 0.0
-    mean, variance = mean_and_variance(s.weight * np.where(crosses, measured.crossing, 1.0)[:, None])
+    mean, variance = mean_and_variance(s.weight * np.where(crosses[:, None], measured.crossing, 1.0))
     beyond = np.maximum(np.abs(mean - energy) - error, 0.0)
     assert np.all(z_test(beyond, variance + 1e-12) > SIGNIFICANCE / 3.0)
 
@@ -97,7 +95,7 @@ def test_no_energy_is_made(device: cl.Device, name: str, view: str) -> None:
     measured = study(device, name, view)
     energy, error = measured.energy()
     # What is tabulated states how good its table is; everything else is exact.
-    assert np.all(energy <= 1.0 + error + max(measured.material.energy_tolerance, 1e-5))
+    assert np.all(energy <= 1.0 + error + max(energy_tolerance(name), 1e-5))
 
 
 @each_case
@@ -113,7 +111,7 @@ def test_samples_are_well_formed(device: cl.Device, name: str, view: str) -> Non
     if measured.material.reflective:
         assert not crosses.any()
     assert np.all(s.eta[~crosses] == 1.0)
-    assert np.allclose(s.eta[crosses] ** 2, measured.crossing, rtol=1e-5)
+    assert np.all(np.any(np.abs(s.eta[crosses, None] ** 2 / measured.crossing - 1.0) < 1e-5, axis=1))
     if measured.material.purely_specular:
         assert np.all(s.specular | s.failed)
 
@@ -122,7 +120,7 @@ def test_samples_are_well_formed(device: cl.Device, name: str, view: str) -> Non
 def test_reciprocity(device: cl.Device, name: str) -> None:
     """f(wo, wi) n(wi)² = f(wi, wo) n(wo)², n the index on the direction's side (Veach 1997, eq. 5.14); the pairs are what is sampled."""
     material = EXAMPLES[name]
-    bsdf, parameters = bsdf_of(device, material), pack(material)
+    bsdf, parameters = bsdf_of_example(device, name), pack(material)
     generator = np.random.default_rng(seed("reciprocity", name))
     wo = generator.normal(size=(20000, 3))
     wo /= np.linalg.norm(wo, axis=1, keepdims=True)
@@ -133,8 +131,7 @@ def test_reciprocity(device: cl.Device, name: str) -> None:
     wo, wi = wo[ok], s.wi[ok]
 
     def f(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        ior = float(material.ior) if material.refracts else 1.0  # type: ignore[attr-defined]
-        return bsdf.evaluate(parameters, a, b)[0] / np.abs(b[:, 2:]) * np.where(b[:, 2:] < 0.0, ior, 1.0) ** 2
+        return bsdf.evaluate(parameters, a, b)[0] / np.abs(b[:, 2:]) * np.where(b[:, 2:] < 0.0, iors(material), 1.0) ** 2
 
     forward, backward = f(wo, wi), f(wi, wo)
     change = np.zeros_like(forward)

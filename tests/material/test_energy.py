@@ -14,8 +14,6 @@ from tests.statistics import chi_square, mean_and_variance
 
 WHITE = (1.0, 1.0, 1.0)
 TOLERANCE = 0.005
-INTERFACE_TOLERANCE = 0.012
-"""Of rough glass, whose losses are a function of three variables, steep where its index is near 1."""
 ROUGHNESSES = (0.05, 0.3, 0.5, 0.8, 1.0)
 
 
@@ -25,7 +23,8 @@ def make(kind: str, **values: object) -> Material:
 
 FURNACES = (
     [make("conductor", roughness=r) for r in ROUGHNESSES]
-    + [make("dielectric", roughness=r, ior=ior) for r in ROUGHNESSES for ior in (0.7, 1.2, 1.5, 2.4)]
+    + [make("dielectric", roughness=r, ior=ior) for r in ROUGHNESSES for ior in (0.7, 1.05, 1.2, 1.5, 2.4)]
+    + [make("plastic", albedo=WHITE, roughness=r, ior=ior) for r in ROUGHNESSES for ior in (1.2, 1.5, 2.4)]
     + [Principled(base_color=WHITE, metallic=m, roughness=r, transmission=t)
        for r in ROUGHNESSES for m, t in ((0.0, 0.0), (1.0, 0.0), (0.5, 0.0), (0.0, 1.0))]
     + [Principled(base_color=WHITE, roughness=0.4, specular=s, specular_tint=tint) for s in (0.0, 0.1, 1.0) for tint in (WHITE, (1.0, 0.3, 0.1))]
@@ -41,7 +40,7 @@ def describe(material: Material) -> str:
 
 def energy(device: cl.Device, material: Material, wo: np.ndarray, count: int = 1 << 16) -> tuple[np.ndarray, np.ndarray]:
     """(3,) fraction of the light that is scattered, and its variance; without the 1 / η² of what crosses."""
-    bsdf = bsdf_of(device, material, compensation=True)
+    bsdf = bsdf_of(device, material)
     s = bsdf.sample(pack(material), wo, uniform(np.random.default_rng(seed(repr(material), *wo)), count))
     return mean_and_variance(s.weight * (s.eta**2)[:, None])
 
@@ -51,7 +50,7 @@ def test_white_furnace(device: cl.Device, material: Material) -> None:
     views = [direction(theta, 40.0) for theta in (0.0, 40.0, 70.0, 85.0)]
     for wo in views + ([] if material.reflective else [-w for w in views]):
         mean, variance = energy(device, material, wo)
-        assert np.all(np.abs(mean - 1.0) < (TOLERANCE if material.reflective else INTERFACE_TOLERANCE) + 5.0 * np.sqrt(variance))
+        assert np.all(np.abs(mean - 1.0) < TOLERANCE + 5.0 * np.sqrt(variance))
 
 
 @pytest.mark.parametrize("layers", LAYERS, ids=str)
@@ -68,7 +67,7 @@ def test_layers_make_no_energy_and_lose_little(device: cl.Device, layers: dict[s
                                       make("dielectric", roughness=0.4, ior=0.7)], ids=lambda m: m.type)
 def test_compensated_lobes_are_sampled_as_their_density_says(device: cl.Device, material: Material) -> None:
     """χ² over bands of the cosine: the density integrated over each by Monte Carlo with very many uniform directions."""
-    bsdf, parameters = bsdf_of(device, material, compensation=True), pack(material)
+    bsdf, parameters = bsdf_of(device, material), pack(material)
     generator, count, bands = np.random.default_rng(11), 1 << 17, 40
     for wo in [direction(50.0, 20.0), direction(80.0, 100.0), *([] if material.reflective else [-direction(50.0, 20.0)])]:
         s = bsdf.sample(parameters, wo, uniform(generator, count))
@@ -84,7 +83,7 @@ def test_compensated_lobes_are_sampled_as_their_density_says(device: cl.Device, 
 def test_compensation_is_reciprocal(device: cl.Device) -> None:
     generator = np.random.default_rng(3)
     for material, ior in ((make("dielectric", roughness=0.8, ior=1.5), 1.5), (make("conductor", metal="gold", roughness=0.8), 1.0)):
-        bsdf, parameters = bsdf_of(device, material, compensation=True), pack(material)
+        bsdf, parameters = bsdf_of(device, material), pack(material)
         a, b = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in generator.normal(size=(2, 5000, 3)))
         if material.reflective:
             a[:, 2], b[:, 2] = np.abs(a[:, 2]), np.abs(b[:, 2])

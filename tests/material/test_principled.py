@@ -31,10 +31,11 @@ def test_another_value_is_no_other_program() -> None:
 
 
 def test_compensation_is_the_scenes_choice() -> None:
-    rough = {"type": "conductor", "roughness": 0.5}
-    assert features(rough)["rough_conductor"] == ()
-    assert features(rough, energy_compensation=True)["rough_conductor"] == ("ENERGY_COMPENSATION",)
-    assert features({"type": "conductor"}, energy_compensation=True)["conductor"] == ()
+    for kind, shades in (("conductor", "rough_conductor"), ("dielectric", "rough_dielectric"), ("plastic", "plastic")):
+        rough = {"type": kind, "roughness": 0.5}
+        assert features(rough)[shades] == features(rough, energy_compensation=True)[shades] == ("ENERGY_COMPENSATION",)
+        assert features(rough, energy_compensation=False)[shades] == ()
+        assert features({"type": kind, "roughness": 0})[kind] == ()
 
 
 @pytest.mark.parametrize("value", [0.5, {"type": "constant", "value": 0.5}])

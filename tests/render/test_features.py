@@ -10,6 +10,7 @@ from collections.abc import Callable
 import pyopencl as cl
 import pytest
 
+from lumiere.bsdf import MATERIALS, Material
 from lumiere.compile.scene import SceneBuffers, compile_scene
 from lumiere.film.record import record_json
 from lumiere.paths import cl_root
@@ -219,3 +220,15 @@ def test_second_of_a_kind_builds_nothing(what: str) -> None:
             s["geometry"].append({"type": "sphere", "position": [0, 3, 0], "material": "c"})
 
     assert texts(changed(add, RICH)) == texts(RICH)
+
+
+@pytest.mark.parametrize("kind", [kind for kind, cls in MATERIALS.kinds().items() if cls.examples()])
+def test_ten_more_materials_of_a_kind_build_nothing(kind: str) -> None:
+    def built(materials: list[Material]) -> dict[str, str]:
+        scene = load({"scene": {"geometry": [{"type": "sphere", "position": [3 * i, 0, 0]} for i in range(11)]}})
+        for number, shape in enumerate(scene.geometry):
+            shape.material = materials[number % len(materials)]
+        return {source.name: source.text for source in program_sources(compile_scene(scene), DENSE)}
+
+    first = MATERIALS.kinds()[kind].examples()[0]
+    assert built([first]) == built([copy.deepcopy(first) for _ in range(11)])

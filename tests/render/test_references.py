@@ -3,6 +3,8 @@
 Block by block and over the whole picture, the difference is divided by its standard deviation (tools/compare.py). What is asked of z is what chance
 allows of normal numbers of variance 1 or less: Sobol points make less noise than their own scatter says. The same checks must reject a picture
 that is a little wrong; that is tested too.
+
+All are rendered without energy compensation, as the renderers of the references do (tools/references.py).
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from lumiere.errors import SceneError
 from tests.render.scenes import index_of
 from tests.statistics import sidak
 from tools.compare import Comparison, block_means, compare, read, variance_of_difference
+from tools.references import load
 
 OWN = Path(__file__).parent.parent / "refs"
 SHARED = Path(__file__).parents[3] / "shared" / "refs"
@@ -53,7 +56,7 @@ def measure(device: cl.Device, name: str) -> Measured:
     if not (folder / f"{name}.json").exists():
         pytest.skip(f"{name} needs assets that are not part of the repository: {SHARED} is not here")
     try:
-        scene = lumiere.load(folder / f"{name}.json")
+        scene = load(folder / f"{name}.json")
     except SceneError as error:
         if "not supported yet" in str(error):
             pytest.skip(str(error)[str(error).index("not supported yet"):])

@@ -48,7 +48,7 @@ def test_energy_compensation_is_in_the_grid_where_a_material_knows_it() -> None:
         return [s.value for s in settings(scene, 1.0) if s.factor == "energy_compensation"]
 
     rough = {"type": "conductor", "roughness": 0.5}
-    assert values(rough) == ["on"] and values(rough, energy_compensation=True) == ["off"]
+    assert values(rough) == ["off"] and values(rough, energy_compensation=False) == ["on"]
     assert values({"type": "lambert"}) == []
 
 
