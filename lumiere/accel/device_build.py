@@ -19,7 +19,7 @@ BINS = 16
 COUNTERS = ("OPEN", "CHUNKS", "SUBTREES")
 
 NODE = np.dtype([("low", "<f4", 3), ("first", "<u4"), ("high", "<f4", 3), ("link", "<u4")])
-"""``link``: where an inner node's primitives are split, or 1 << 31 | the number of a leaf's."""
+"""``link``: an inner node's pair of children, or 1 << 31 | the number of a leaf's."""
 OPEN = np.dtype([(name, "<u4") for name in ("slot", "first", "count", "turns", "bounds", "first_chunk")])
 CHUNK = np.dtype([(name, "<u4") for name in ("node", "first", "count", "left")])
 PLANE = np.dtype([(name, "<u4") for name in ("axis", "last", "middle")])
@@ -55,8 +55,7 @@ def grain_for(device: Any, count: int) -> Grain:
 class DeviceTree:
     """A tree on a device, and what was asked of it on the host. ``order``: (n,) uint32, the primitives in leaf order.
 
-    ``nodes``: at 2 m and 2 m + 1 the children of the inner node that splits the order at m, at 0 the root. ``ranks``: (n,) uint32, how many inner nodes
-    split at or before each place.
+    Its buffers are as ``cl/accel/build/tree.cl`` says; ``ranks``: (n,) uint32, how many inner nodes split the order at or before each place.
     """
 
     order: np.ndarray
@@ -86,6 +85,8 @@ class DeviceBuilder:
         macros = {"GROUP": group, "SUBTREE_STACK": stack, "BLOCK": self.block, "MAX_LEAF_SIZE": self.max_leaf_size, "MAX_DEPTH": MAX_DEPTH}
         macros |= {f"COUNTER_{name}": number for number, name in enumerate(COUNTERS)}
         prelude = "".join(f"#define {name} {value}u\n" for name, value in macros.items())
+        # Intel's compiler else vectorises across work-items, which takes subtrees in lockstep.
+        prelude += f"#define KERNEL {'__attribute__((vec_type_hint(float8))) ' if group == 1 else ''}kernel\n"
         prelude += "".join(c_struct(name, dtype) for name, dtype in STRUCTS.items())
         files = ["boxes", "bin", "choose", "partition", "subtrees", "scan", f"encode_{self.layout}"]
         files += ["collapse", "blocks"] if self.layout == "bvh8" else []
@@ -102,9 +103,9 @@ class DeviceBuilder:
         queue, allocate, fill = self.queue, self._allocate, self._fill
         sources = [self._input(np.ascontiguousarray(a, np.float32)) for a in (lower, upper)]
         even, odd, nodes = allocate(32 * n), allocate(32 * n), allocate(2 * NODE.itemsize * n)
-        turns, marks = allocate(n), allocate(4 * n)
+        turns, marks = allocate(4 * (n // 4 + 1)), allocate(4 * n)
         order = Output(self, n, np.uint32)
-        fill(marks, 0)
+        fill(marks, 0), fill(turns, 0)
         open_nodes, chunk_count = n // grain.small + 1, n // grain.chunk + n // grain.small + 2
         opens, chunks = ([allocate(size * most) for _ in range(2)] for size, most in ((OPEN.itemsize, open_nodes), (CHUNK.itemsize, chunk_count)))
         subtrees, planes, counters = allocate(SUBTREE.itemsize * n), allocate(PLANE.itemsize * open_nodes), allocate(4 * len(COUNTERS))
@@ -191,15 +192,16 @@ class DeviceBuilder:
         import pyopencl as cl
 
         n = len(tree.order)
-        rows, ranks = np.zeros(2 * n, NODE), np.zeros(n, np.uint32)
+        rows, turns, ranks = np.zeros(2 * n, NODE), np.zeros(n, np.uint8), np.zeros(n, np.uint32)
         cl.enqueue_copy(self.queue, rows, tree.buffers["nodes"])
-        cl.enqueue_copy(self.queue, ranks, tree.buffers["ranks"])
-        middles = np.flatnonzero(np.diff(ranks, prepend=np.uint32(0)))
-        slots = np.concatenate([[0], np.stack([2 * middles, 2 * middles + 1], axis=1).ravel()])
+        cl.enqueue_copy(self.queue, turns, tree.buffers["turns"])
+        pairs = np.flatnonzero(turns)
+        ranks[pairs] = np.arange(len(pairs))
+        slots = np.concatenate([[0], np.stack([2 * pairs, 2 * pairs + 1], axis=1).ravel()])
         rows = rows[slots]
         leaves = rows["link"] >> 31 == 1
         link = rows["link"].astype(np.int64)
-        left = np.where(leaves, -1, 2 * ranks[np.where(leaves, 0, link)].astype(np.int64) - 1)
+        left = np.where(leaves, -1, 2 * ranks[np.where(leaves, 0, link)].astype(np.int64) + 1)
         first = rows["first"].astype(np.int64)
         # Leaves' counts, and inner nodes' from the leaves within, level by level.
         count = np.where(leaves, link & 0x7FFFFFFF, 0)
