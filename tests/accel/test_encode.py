@@ -100,9 +100,10 @@ def wide_nodes(topology: Topology) -> list[tuple[float, int]]:
     found, waiting, blocks = [], [0], []
     while waiting:
         node = waiting.pop()
-        low, high = arrays["nodes"][node, 0::2], arrays["nodes"][node, 1::2]
+        planes = arrays["nodes"][node, :6].view(np.float32)
+        low, high = planes[0::2], planes[1::2]
         present = np.isfinite(low[0])
-        children = arrays["children"][node, present].tolist()
+        children = arrays["nodes"][node, 6, present].tolist()
         box = half_area(low[:, present].min(axis=1)[:, None], high[:, present].max(axis=1)[:, None])
         found.append((float(box[0]), len(children)))
         blocks += [child & ~(1 << 31) for child in children if child >> 31]
