@@ -11,10 +11,11 @@ from lumiere.accel import Accelerator, choose
 @dataclass(frozen=True)
 class Overrides:
     """``accelerator`` chooses as ``lumiere.accel.choose`` does; ``compiler_options`` are given to the build of every program, or of
-    those of the stages named in ``stages``; ``slots``, where set, is the number of paths in flight, and ``compacted`` says how queues are kept.
+    those of the stages named in ``stages``; ``build_on_device`` says whether trees are built on the device or by numpy; ``slots``, where set, is the number of paths in flight, and ``compacted`` says how queues are kept.
     """
 
     accelerator: Callable[[str, int, bool, bool], Accelerator] = choose
+    build_on_device: bool | None = None
     compiler_options: tuple[str, ...] = ()
     stages: tuple[str, ...] = ()
     slots: int | None = None

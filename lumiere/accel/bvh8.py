@@ -24,10 +24,12 @@ class Bvh8:
     """
 
     name: ClassVar[str] = "bvh8"
+    max_leaf_size: ClassVar[int] = WIDTH
+    block: ClassVar[int] = WIDTH
 
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """A SAH topology with leaves of at most 8, a block of which costs the same however full it is."""
-        return build(lower, upper, max_leaf_size=WIDTH, block=WIDTH)
+        return build(lower, upper, self.max_leaf_size, block=self.block)
 
     def encode(self, topology: Topology, records: np.ndarray) -> dict[str, np.ndarray]:
         """The arrays above, for triangle ``records`` in leaf order."""

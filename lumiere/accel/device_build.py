@@ -160,7 +160,11 @@ class DeviceBuilder:
         run["rank_marks"](self.queue, (items,), None, marks, np.uint32(count), np.uint32(grain.span), sums_d)
         return int(sums.sum())
 
-    def encode_bvh2(self, tree: DeviceTree) -> dict[str, np.ndarray]:
+    def encode(self, tree: DeviceTree, records: np.ndarray) -> dict[str, np.ndarray]:
+        """The layout's arrays, for ``records`` in leaf order."""
+        return self._encode_bvh8(tree, records) if self.layout == "bvh8" else self._encode_bvh2(tree)
+
+    def _encode_bvh2(self, tree: DeviceTree) -> dict[str, np.ndarray]:
         """What ``Bvh2.encode`` makes."""
         n, grain, b = len(tree.order), tree.grain, tree.buffers
         nodes, children = Output(self, (tree.inner, 12), np.float32), Output(self, (tree.inner, 2), np.uint32)
@@ -168,7 +172,7 @@ class DeviceBuilder:
                                             np.uint32(grain.span), nodes.buffer, children.buffer)
         return {"nodes": nodes.fetch(), "children": children.fetch()}
 
-    def encode_bvh8(self, tree: DeviceTree, records: np.ndarray) -> dict[str, np.ndarray]:
+    def _encode_bvh8(self, tree: DeviceTree, records: np.ndarray) -> dict[str, np.ndarray]:
         """What ``Bvh8.encode`` makes, but for the order of nodes and blocks."""
         n, grain, b = len(tree.order), tree.grain, tree.buffers
         run, queue = self._program(grain), self.queue
