@@ -10,8 +10,9 @@ from lumiere.accel import Accelerator, choose
 
 @dataclass(frozen=True)
 class Overrides:
-    """``accelerator`` chooses as ``lumiere.accel.choose`` does; ``compiler_options`` are given to the build of every program, or of
-    those of the stages named in ``stages``; ``build_on_device`` says whether trees are built on the device or by numpy; ``slots``, where set, is the number of paths in flight, and ``compacted`` says how queues are kept.
+    """``accelerator`` chooses as ``lumiere.accel.choose`` does; ``build_on_device``, where set, says whether trees are built on the device or by
+    numpy; ``compiler_options`` are given to the build of every program, or of those of the stages named in ``stages``; ``slots``, where set, is the
+    number of paths in flight, and ``compacted`` says how queues are kept.
     """
 
     accelerator: Callable[[str, int, bool, bool], Accelerator] = choose

@@ -17,6 +17,9 @@ from typing import Any
 
 import numpy as np
 
+from lumiere.accel.bvh2 import Bvh2
+from lumiere.accel.bvh8 import Bvh8
+from lumiere.accel.device_build import DeviceBuilder
 from lumiere.bsdf import MATERIALS
 from lumiere.camera import CAMERAS
 from lumiere.compile.scene import compile_scene
@@ -100,6 +103,13 @@ def programs(scene: Scene) -> Iterator[ProgramSource]:
         yield from program_sources(buffers, Policy(compacted=compacted, work_group=64, slots=1024, batch=1024, rounds=1))
 
 
+def build_programs() -> Iterator[ProgramSource]:
+    """The programs that build trees, for a work-item alone and for groups."""
+    for layout in (Bvh2, Bvh8):
+        builder = DeviceBuilder(None, None, layout.name, layout.max_leaf_size, layout.block)
+        yield from (builder.source(group, stack=8) for group in (1, 64))
+
+
 def main() -> int:
     clang = compiler()
     if clang is None:
@@ -110,6 +120,8 @@ def main() -> int:
         for scene in [*scenes(Path(folder)), *sys.argv[1:]]:
             for program in programs(load(scene)):
                 texts.setdefault(program.text, program.name)
+    for program in build_programs():
+        texts.setdefault(program.text, program.name)
     failed = 0
     for text, name in texts.items():
         done = subprocess.run([clang, *FLAGS, "-"], input=text, capture_output=True, text=True, check=False)

@@ -96,7 +96,11 @@ def test_choose() -> None:
 def wide_nodes(topology: Topology) -> list[tuple[float, int]]:
     """Area and number of children of every wide node of ``Bvh8``, by a walk that checks that each leaf is held once and lies in its box."""
     vertices = np.zeros((len(topology.order), 3, 3), np.float32)
-    arrays = Bvh8().encode(topology, np.rec.fromarrays([vertices], names="vertices"))
+    return wide_nodes_of(Bvh8().encode(topology, np.rec.fromarrays([vertices], names="vertices")))
+
+
+def wide_nodes_of(arrays: dict[str, np.ndarray]) -> list[tuple[float, int]]:
+    """The same of an encoder's arrays."""
     found, waiting, blocks = [], [0], []
     while waiting:
         node = waiting.pop()
