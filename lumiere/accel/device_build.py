@@ -6,6 +6,7 @@ it splits the order of the primitives, and sums are of integers, so the same tre
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -73,12 +74,22 @@ class DeviceBuilder:
         self.max_leaf_size, self.block, self.grain = max_leaf_size, block, grain
         self._kernels: dict[tuple[int, int], dict[str, Any]] = {}
 
-    def _program(self, grain: Grain) -> dict[str, Any]:
+    def program(self, grain: Grain) -> dict[str, Any]:
+        """The kernels by name, built once for a grain."""
         key = (grain.group, 28 if grain.group == 1 else max(2, grain.small.bit_length()))
         if key not in self._kernels:
             program = build_all([self.source(*key)], self.context, self.queue.device)[0].program
             self._kernels[key] = {kernel.function_name: kernel for kernel in program.all_kernels()}
         return self._kernels[key]
+
+    def _launcher(self, grain: Grain) -> Callable[..., Any]:
+        """Launches a kernel, by name, for so many independent work-items. Always in groups of one size: PoCL compiles a kernel anew for each."""
+        run, size = self.program(grain), min(grain.group, 64)
+
+        def launch(name: str, items: int, *arguments: Any) -> Any:
+            return run[name](self.queue, (-(-items // size) * size,), (size,), *arguments)
+
+        return launch
 
     def source(self, group: int, stack: int) -> ProgramSource:
         """The program, for work-groups of ``group`` and subtrees of less than 2 ** ``stack`` primitives."""
@@ -99,7 +110,7 @@ class DeviceBuilder:
 
         n = len(lower)
         grain = self.grain or grain_for(self.queue.device, n)
-        run = self._program(grain)
+        run, launch = self.program(grain), self._launcher(grain)
         queue, allocate, fill = self.queue, self._allocate, self._fill
         sources = [self._input(np.ascontiguousarray(a, np.float32)) for a in (lower, upper)]
         even, odd, nodes = allocate(32 * n), allocate(32 * n), allocate(2 * NODE.itemsize * n)
@@ -112,7 +123,7 @@ class DeviceBuilder:
         bounds = allocate(4 * 12)
         fill(bounds, 0xFFFFFFFF)
         items = -(-n // grain.span)
-        run["boxes"](queue, (items,), None, *sources, np.uint32(n), np.uint32(grain.span), even, bounds)
+        launch("boxes", items, *sources, np.uint32(n), np.uint32(grain.span), even, bounds)
 
         totals = np.zeros(len(COUNTERS), np.uint32)
         if n > grain.small:
@@ -138,26 +149,26 @@ class DeviceBuilder:
             cl.enqueue_copy(queue, counters, totals)
             groups, group = (chunks_here * grain.group,), (grain.group,)
             run["bin"](queue, groups, group, opens[now], chunks[now], primitives, bounds, boxes, counts, chunk_counts)
-            run["choose"](queue, (here,), None, opens[now], np.uint32(here), chunks[now], bounds, boxes, counts, chunk_counts, np.uint32(level),
+            launch("choose", here, opens[now], np.uint32(here), chunks[now], bounds, boxes, counts, chunk_counts, np.uint32(level),
                           np.uint32(grain.small), np.uint32(grain.chunk), nodes, turns, marks, planes, opens[then], chunks[then], subtrees, counters)
             run["partition"](queue, groups, group, opens[now], chunks[now], planes, primitives, bounds, parted, sides)
             cl.enqueue_copy(queue, totals, counters)
             bounds = sides
-        run["subtrees"](queue, (int(totals[2]),), None, subtrees, totals[2], even, odd, nodes, turns, marks, order.buffer)
-        inner = self._rank(run, marks, n, grain)
+        launch("subtrees", int(totals[2]), subtrees, totals[2], even, odd, nodes, turns, marks, order.buffer)
+        inner = self._rank(launch, marks, n, grain)
         return DeviceTree(order.fetch(), inner, grain, {"nodes": nodes, "turns": turns, "ranks": marks, "subtrees": subtrees, "kept": even}, int(totals[2]))
 
-    def _rank(self, run: dict[str, Any], marks: Any, count: int, grain: Grain) -> int:
+    def _rank(self, launch: Callable[..., Any], marks: Any, count: int, grain: Grain) -> int:
         """Turns marks into ranks; returns how many marks there are."""
         import pyopencl as cl
 
         items = -(-count // grain.span)
         sums, sums_d = np.zeros(items, np.uint32), self._allocate(4 * items)
-        run["count_marks"](self.queue, (items,), None, marks, np.uint32(count), np.uint32(grain.span), sums_d)
+        launch("count_marks", items, marks, np.uint32(count), np.uint32(grain.span), sums_d)
         cl.enqueue_copy(self.queue, sums, sums_d)
         before = np.cumsum(sums, dtype=np.uint32) - sums
         cl.enqueue_copy(self.queue, sums_d, before)
-        run["rank_marks"](self.queue, (items,), None, marks, np.uint32(count), np.uint32(grain.span), sums_d)
+        launch("rank_marks", items, marks, np.uint32(count), np.uint32(grain.span), sums_d)
         return int(sums.sum())
 
     def encode(self, tree: DeviceTree, records: np.ndarray) -> dict[str, np.ndarray]:
@@ -168,27 +179,27 @@ class DeviceBuilder:
         """What ``Bvh2.encode`` makes."""
         n, grain, b = len(tree.order), tree.grain, tree.buffers
         nodes, children = Output(self, (tree.inner, 12), np.float32), Output(self, (tree.inner, 2), np.uint32)
-        self._program(grain)["encode_bvh2"](self.queue, (-(-n // grain.span),), None, b["nodes"], b["turns"], b["ranks"], np.uint32(n),
+        self._launcher(grain)("encode_bvh2", -(-n // grain.span), b["nodes"], b["turns"], b["ranks"], np.uint32(n),
                                             np.uint32(grain.span), nodes.buffer, children.buffer)
         return {"nodes": nodes.fetch(), "children": children.fetch()}
 
     def _encode_bvh8(self, tree: DeviceTree, records: np.ndarray) -> dict[str, np.ndarray]:
         """What ``Bvh8.encode`` makes, but for the order of nodes and blocks."""
         n, grain, b = len(tree.order), tree.grain, tree.buffers
-        run, queue = self._program(grain), self.queue
-        count, span, small, items = np.uint32(n), np.uint32(grain.span), np.uint32(grain.small), (-(-n // grain.span),)
+        run, launch, queue = self.program(grain), self._launcher(grain), self.queue
+        count, span, small, items = np.uint32(n), np.uint32(grain.span), np.uint32(grain.small), -(-n // grain.span)
         shares, wide, roots = self._allocate(4 * n), self._allocate(4 * n), np.uint32(tree.subtrees)
         self._fill(wide, 0)
-        run["weigh_subtrees"](queue, (tree.subtrees,), None, b["subtrees"], roots, b["nodes"], b["kept"], shares)
-        run["weigh_top"](queue, (1,), None, count, small, b["nodes"], b["kept"], shares)
-        run["widen_top"](queue, (1,), None, count, small, b["nodes"], b["kept"], shares, wide)
-        run["widen_subtrees"](queue, (tree.subtrees,), None, b["subtrees"], roots, b["nodes"], b["kept"], shares, wide)
-        wides = self._rank(run, wide, n, grain)
+        launch("weigh_subtrees", tree.subtrees, b["subtrees"], roots, b["nodes"], b["kept"], shares)
+        run["weigh_top"](queue, (1,), (1,), count, small, b["nodes"], b["kept"], shares)
+        run["widen_top"](queue, (1,), (1,), count, small, b["nodes"], b["kept"], shares, wide)
+        launch("widen_subtrees", tree.subtrees, b["subtrees"], roots, b["nodes"], b["kept"], shares, wide)
+        wides = self._rank(launch, wide, n, grain)
         nodes = Output(self, (wides, 8, 8), np.uint32)
-        run["encode_bvh8"](queue, items, None, b["nodes"], b["ranks"], wide, shares, count, span, nodes.buffer)
+        launch("encode_bvh8", items, b["nodes"], b["ranks"], wide, shares, count, span, nodes.buffer)
         blocks, ranges = Output(self, (tree.inner + 1, 9, 8), np.float32), Output(self, tree.inner + 1, np.uint32)
         vertices = self._input(records["vertices"])
-        run["blocks"](queue, items, None, vertices, b["ranks"], count, span, blocks.buffer, ranges.buffer)
+        launch("blocks", items, vertices, b["ranks"], count, span, blocks.buffer, ranges.buffer)
         return {"nodes": nodes.fetch(), "blocks": blocks.fetch(), "ranges": ranges.fetch()}
 
     def topology(self, tree: DeviceTree) -> Topology:
