@@ -9,12 +9,13 @@ from lumiere.accel import Choice, choose
 
 @dataclass(frozen=True)
 class Overrides:
-    """``accelerator`` chooses as ``lumiere.accel.choose`` does; ``compiler_options`` are given to the build of every program, or of
-    those of the stages named in ``stages``; ``slots``, where set, is the number of paths in flight, and ``compacted`` says how queues are kept. ``traced``
-    paths keep more of what they did.
+    """``accelerator`` chooses as ``lumiere.accel.choose`` does; ``build_on_device``, where set, says whether trees are built on the device or by
+    numpy; ``compiler_options`` are given to the build of every program, or of those of the stages named in ``stages``; ``slots``, where set, is the
+    number of paths in flight, and ``compacted`` says how queues are kept. ``traced`` paths keep more of what they did.
     """
 
     accelerator: Choice = choose
+    build_on_device: bool | None = None
     compiler_options: tuple[str, ...] = ()
     stages: tuple[str, ...] = ()
     slots: int | None = None

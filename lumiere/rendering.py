@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 import lumiere
+from lumiere.accel import choose as choose_accelerator
 from lumiere.compile.features import AOV_CHANNELS
 from lumiere.compile.scene import compile_scene
 from lumiere.film.image import Image
@@ -40,6 +41,7 @@ class Render:
                  overrides: Overrides | None = None, profiling: bool = False) -> None:
         import pyopencl as cl
 
+        from lumiere.accel.on_device import on_device
         from lumiere.device.select import choose
 
         overrides = overrides or Overrides()
@@ -47,8 +49,12 @@ class Render:
         self.seconds = {"load": load_seconds, "accelerator": 0.0, "compile": 0.0, "render": 0.0}
         self.device = choose(device)
         begin = time.perf_counter()
-        buffers = compile_scene(scene, wide=not is_gpu(self.device), packets=not (is_gpu(self.device) or overrides.compacted),
-                                choose_accelerator=overrides.accelerator)
+        context = cl.Context([self.device])
+        properties = cl.command_queue_properties.PROFILING_ENABLE if profiling else 0
+        queue = cl.CommandQueue(context, self.device, properties)
+        packets = not is_gpu(self.device) and not overrides.compacted and overrides.accelerator is choose_accelerator
+        chooser = on_device(overrides.accelerator, context, queue, overrides.build_on_device)
+        buffers = compile_scene(scene, wide=not is_gpu(self.device), packets=packets, choose_accelerator=chooser)
         buffers.features = replace(buffers.features, traced=overrides.traced)
         accelerator = buffers.seconds.get("accelerator", 0.0)
         self.seconds["load"] += time.perf_counter() - begin - accelerator
@@ -64,9 +70,6 @@ class Render:
             policy = replace(policy, slots=-(-overrides.slots // policy.work_group) * policy.work_group)
         if overrides.compacted is not None:
             policy = replace(policy, compacted=overrides.compacted)
-        context = cl.Context([self.device])
-        properties = cl.command_queue_properties.PROFILING_ENABLE if profiling else 0
-        queue = cl.CommandQueue(context, self.device, properties)
         self.wavefront = Wavefront(buffers, policy, context, queue, self.width * self.height, compiler_options=overrides.options_of)
         self.seconds["compile"] = time.perf_counter() - begin
         self.counts = np.zeros(self.width * self.height, dtype=np.int64)

@@ -18,6 +18,9 @@ from typing import Any
 import numpy as np
 
 from lumiere.accel import Choice, choose, layouts, preferring
+from lumiere.accel.bvh2 import Bvh2
+from lumiere.accel.bvh8 import Bvh8
+from lumiere.accel.device_build import DeviceBuilder
 from lumiere.bsdf import MATERIALS
 from lumiere.camera import CAMERAS
 from lumiere.compile.scene import compile_scene
@@ -102,6 +105,13 @@ def programs(scene: Scene, choose_accelerator: Choice = choose) -> Iterator[Prog
         yield from program_sources(buffers, Policy(compacted=compacted, work_group=64, slots=1024, batch=1024, rounds=1))
 
 
+def build_programs() -> Iterator[ProgramSource]:
+    """The programs that build trees, for a work-item alone and for groups."""
+    for layout in (Bvh2, Bvh8):
+        builder = DeviceBuilder(None, None, layout.name, layout.max_leaf_size, layout.block)
+        yield from (builder.source(group, stack=8) for group in (1, 64))
+
+
 def main() -> int:
     clang = compiler()
     if clang is None:
@@ -112,7 +122,7 @@ def main() -> int:
         own = list(scenes(Path(folder)))
         found = [programs(load(scene)) for scene in [*own, *sys.argv[1:]]]
         found += [programs(load(own[-1]), preferring(layout)) for layout in layouts()]
-        for program in itertools.chain.from_iterable(found):
+        for program in itertools.chain(build_programs(), *found):
             texts.setdefault(program.text, program.name)
     failed = 0
     for text, name in texts.items():

@@ -21,13 +21,15 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
         if (!(current & BVH8_LEAF)) {
             uint before = size;
             VISIT_NODE(scene);
+            global const uint *node = SHAPE_BUFFER(nodes) + 64 * (size_t)current;
+            bvh8_uints_t children;
+            children.all = *(global const uint8 *)(node + 48);  // before the boxes are tested, so that it is not waited for behind them
             bvh8_floats_t enter;
-            ulong lanes = bvh8_enter(&wide, SHAPE_BUFFER(nodes) + 48 * (size_t)current, hit->t, &enter);
-            global const uint *children = SHAPE_BUFFER(children) + 8 * (size_t)current;
+            ulong lanes = bvh8_enter(&wide, (global const float *)node, hit->t, &enter);
             while (lanes) {
                 uint lane = bvh8_first_lane(lanes);
                 lanes &= lanes - 1UL;
-                ulong entry = ((ulong)as_uint(enter.lane[lane]) << 32) | children[lane];
+                ulong entry = ((ulong)as_uint(enter.lane[lane]) << 32) | children.lane[lane];
                 uint at = size++;
                 // The nearest on top; for any hit the order does not matter.
                 for (; !any_hit && at > before && stack[at - 1u] < entry; at--)

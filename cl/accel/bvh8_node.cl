@@ -28,6 +28,11 @@ typedef union {
     float lane[8];
 } bvh8_floats_t;
 
+typedef union {
+    uint8 all;
+    uint lane[8];
+} bvh8_uints_t;
+
 // Bit 0 of byte i: lane i is set.
 static inline ulong bvh8_lanes(int8 mask)
 {

@@ -48,15 +48,18 @@ def choose(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelera
     return Bvh8() if wide and shape == "triangle" else Bvh2()
 
 
-def choose_for_packets(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelerator:
-    """As ``choose``, where sixteen rays may be traced together."""
-    from lumiere.accel.flat16 import Flat16
-
-    return Flat16() if wide and shape == "triangle" and n_primitives <= PACKETS_UP_TO else choose(shape, n_primitives, bounded, wide)
-
-
 Choice = Callable[[str, int, bool, bool], Accelerator]
 """Chooses as ``choose`` does."""
+
+
+def with_packets(choice: Choice) -> Choice:
+    """``choice``, but ``flat16`` where sixteen rays are traced together faster. Not for rays that have to be told apart."""
+    def chosen(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelerator:
+        from lumiere.accel.flat16 import Flat16
+
+        return Flat16() if wide and shape == "triangle" and n_primitives <= PACKETS_UP_TO else choice(shape, n_primitives, bounded, wide)
+
+    return chosen
 
 
 def layouts() -> dict[str, type[Accelerator]]:

@@ -84,7 +84,7 @@ def build(lower: np.ndarray, upper: np.ndarray, max_leaf_size: int = 4, traversa
         open_nodes = count > min(max_leaf_size, traversal_cost * block)  # no split of the others could be cheaper
         split = _best_splits(boxes, start, count, open_nodes, largest_child, block)
 
-        area = half_area(low.astype(np.float64), high)
+        area = half_area(low, high)
         keep_whole = (count <= max_leaf_size) & ~(traversal_cost * area + split.cost < _blocks(count, block) * area)
         nodes_before += len(count)
         left = np.full(len(count), -1, np.int32)
@@ -118,14 +118,14 @@ def _blocks(count: np.ndarray, block: int) -> np.ndarray:
 
 
 def half_area(low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Half the surface area of boxes given as (3, …) arrays; in float64, for an extent of 1e30 squared is no float32."""
-    x, y, z = (high - low).astype(np.float64)
+    """Half the surface area of boxes given as (3, …) arrays; in float64, for neither an extent of 6e38 nor 1e30 squared is a float32."""
+    x, y, z = np.subtract(high, low, dtype=np.float64)
     return x * (y + z) + y * z
 
 
 def sah_cost(topology: Topology, traversal_cost: float = 1.0) -> float:
     """Expected cost of a ray that crosses the root's box, in intersections (MacDonald & Booth 1990); 0 without primitives."""
-    area = half_area(topology.lower.T.astype(np.float64), topology.upper.T)
+    area = half_area(topology.lower.T, topology.upper.T)
     if not len(area):
         return 0.0
     cost = np.where(topology.leaves, topology.count, traversal_cost)

@@ -26,10 +26,12 @@ class Bvh2:
 
     name: ClassVar[str] = "bvh2"
     triangles_only: ClassVar[bool] = False
+    max_leaf_size: ClassVar[int] = 4
+    block: ClassVar[int] = 1
 
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """A SAH topology with leaves of at most 4."""
-        return build(lower, upper, max_leaf_size=4)
+        return build(lower, upper, self.max_leaf_size, block=self.block)
 
     def encode(self, topology: Topology, records: np.ndarray) -> dict[str, np.ndarray]:
         """``nodes`` and ``children``. Raises ValueError for leaves or a number of primitives that a reference cannot hold."""

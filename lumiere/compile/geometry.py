@@ -82,8 +82,8 @@ def group_shapes(objects: list[Object], keep: tuple[str, ...], wide: bool,
         if device_shape.bounded:
             topology = accelerator.build(*device_shape.bounds(records))
             order = topology.order
-            records, owners = records[order], owners[order]
-            corners = corners if corners is None else corners[order]
+            records, owners = records.take(order), owners.take(order)
+            corners = corners if corners is None else corners.take(order, axis=0)
             buffers = accelerator.encode(topology, records)
         groups.append(ShapeGroup(device_shape, records, owners, accelerator.name, buffers, corners))
     return groups, vertices

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from lumiere.accel import Choice, choose, choose_for_packets
+from lumiere.accel import Choice, choose, with_packets
 from lumiere.bsdf import Body, Material
 from lumiere.bsdf.lambert import Lambert
 from lumiere.bsdf.mix import Mix
@@ -96,8 +96,8 @@ def _compile(scene: Scene, wide: bool, packets: bool, choose_accelerator: Choice
     has_normals = any(o.primitives.normals is not None for o in objects)
     keep = (("normals",) if has_normals else ()) + (("uvs",) if uses_uv else ()) + (("colors",) if "color" in textures.uses else ())
     begin = time.perf_counter()
-    if packets and choose_accelerator is choose and not _tells_rays_apart(objects, rows):
-        choose_accelerator = choose_for_packets
+    if packets and not _tells_rays_apart(objects, rows):
+        choose_accelerator = with_packets(choose_accelerator)
     groups, vertices = group_shapes(objects, keep, wide, choose_accelerator)
     accelerator_seconds = time.perf_counter() - begin
     center, radius = scene_bounds(groups)

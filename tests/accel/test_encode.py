@@ -111,13 +111,18 @@ def test_every_layout_can_be_preferred() -> None:
 def wide_nodes(topology: Topology) -> list[tuple[float, int]]:
     """Area and number of children of every wide node of ``Bvh8``, by a walk that checks that each leaf is held once and lies in its box."""
     vertices = np.zeros((len(topology.order), 3, 3), np.float32)
-    arrays = Bvh8().encode(topology, np.rec.fromarrays([vertices], names="vertices"))
+    return wide_nodes_of(Bvh8().encode(topology, np.rec.fromarrays([vertices], names="vertices")))
+
+
+def wide_nodes_of(arrays: dict[str, np.ndarray]) -> list[tuple[float, int]]:
+    """The same of an encoder's arrays."""
     found, waiting, blocks = [], [0], []
     while waiting:
         node = waiting.pop()
-        low, high = arrays["nodes"][node, 0::2], arrays["nodes"][node, 1::2]
+        planes = arrays["nodes"][node, :6].view(np.float32)
+        low, high = planes[0::2], planes[1::2]
         present = np.isfinite(low[0])
-        children = arrays["children"][node, present].tolist()
+        children = arrays["nodes"][node, 6, present].tolist()
         box = half_area(low[:, present].min(axis=1)[:, None], high[:, present].max(axis=1)[:, None])
         found.append((float(box[0]), len(children)))
         blocks += [child & ~(1 << 31) for child in children if child >> 31]

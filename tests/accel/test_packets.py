@@ -6,7 +6,7 @@ import numpy as np
 import pyopencl as cl
 import pytest
 
-from lumiere.accel import PACKETS_UP_TO, choose, choose_for_packets
+from lumiere.accel import PACKETS_UP_TO, choose, with_packets
 from lumiere.accel.flat import Flat
 from lumiere.accel.flat16 import Flat16
 from lumiere.wavefront.policy import is_gpu
@@ -85,7 +85,8 @@ def test_rays_that_are_none_and_rays_from_the_surface_meet_nothing(device: cl.De
     assert tracer.occluded(origins, directions, t_max).tolist() == [True, False, False, False, False, False]
 
 
-def test_choose_for_packets() -> None:
-    assert choose_for_packets("triangle", PACKETS_UP_TO, bounded=True, wide=True).name == "flat16"
+def test_packets_are_for_few_triangles_and_wide_vectors() -> None:
+    packed = with_packets(choose)
+    assert packed("triangle", PACKETS_UP_TO, bounded=True, wide=True).name == "flat16"
     for shape, count, bounded, wide in (("triangle", PACKETS_UP_TO + 1, True, True), ("triangle", 3, True, False), ("sphere", 3, True, True)):
-        assert choose_for_packets(shape, count, bounded, wide).name == choose(shape, count, bounded, wide).name
+        assert packed(shape, count, bounded, wide).name == choose(shape, count, bounded, wide).name

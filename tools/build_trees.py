@@ -1,0 +1,120 @@
+"""How long the device takes to build and encode a tree, beside numpy, and what comes out.
+
+    python tools/build_trees.py [--device D] [--faces 20480] [--spheres 50] [--layouts bvh8 bvh2] [--runs 5] [--kernels]
+
+over the benchmark's mesh (tools/benchmark_scene.py). "First" is with the program from its cache, or built where there is none. Costs count blocks of
+primitives.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+from typing import Any
+
+import numpy as np
+from benchmark_scene import displaced_spheres
+
+from lumiere.accel.build import Topology, half_area
+from lumiere.accel.bvh2 import Bvh2
+from lumiere.accel.bvh8 import Bvh8
+from lumiere.accel.on_device import OnDevice
+from lumiere.device.select import choose
+from lumiere.shape.triangle import Triangle
+
+
+class Timed:
+    """A kernel that keeps its events."""
+
+    def __init__(self, kernel: Any, events: list[tuple[str, Any]]) -> None:
+        self.kernel, self.events = kernel, events
+
+    def __call__(self, *arguments: Any) -> Any:
+        event = self.kernel(*arguments)
+        self.events.append((self.kernel.function_name, event))
+        return event
+
+
+def cost(topology: Topology, block: int) -> float:
+    """The cost that the builders minimise, in steps."""
+    area = half_area(topology.lower.T, topology.upper.T)
+    return float(area @ np.where(topology.leaves, -(-topology.count.astype(np.int64) // block), 1) / area[0])
+
+
+def fill(layout: str, arrays: dict[str, np.ndarray], count: int) -> str:
+    """Shares of the places for children and triangles that are taken."""
+    if layout != "bvh8":
+        return "nodes 100 %"
+    present = np.isfinite(arrays["nodes"][:, 0].view(np.float32)).mean()
+    return f"nodes {present:.0%}, blocks {count / 8 / len(arrays['blocks']):.0%}"
+
+
+def kernel_table(accelerator: OnDevice, lower: np.ndarray, upper: np.ndarray, records: np.ndarray) -> str:
+    """Milliseconds by kernel of one build, from events."""
+    events: list[tuple[str, Any]] = []
+    program = accelerator.builder.program
+    accelerator.builder.program = lambda grain: {name: Timed(kernel, events) for name, kernel in program(grain).items()}  # type: ignore[method-assign]
+    tree = accelerator.build(lower, upper)
+    accelerator.encode(tree, records.take(tree.order))
+    accelerator.builder.program = program  # type: ignore[method-assign]
+    accelerator.builder.queue.finish()
+    totals: dict[str, float] = {}
+    for name, event in events:
+        totals[name] = totals.get(name, 0.0) + (event.profile.end - event.profile.start) * 1e-6
+    return f"{len(events)} launches, {sum(totals.values()):.2f} ms: " + ", ".join(f"{name} {ms:.2f}" for name, ms in totals.items())
+
+
+def measure(layout: Bvh2 | Bvh8, context: Any, queue: Any, records: np.ndarray, runs: int, kernels: bool) -> None:
+    """Prints the rows of one layout."""
+    lower, upper = Triangle.bounds(records)
+    accelerator = OnDevice(layout, context, queue)
+    seconds = []
+    for _ in range(runs + 1):
+        begin = time.perf_counter()
+        tree = accelerator.build(lower, upper)
+        built = time.perf_counter()
+        ordered = records.take(tree.order)
+        gathered = time.perf_counter()
+        arrays = accelerator.encode(tree, ordered)
+        seconds.append((built - begin, gathered - built, time.perf_counter() - gathered))
+    first, rest = sum(seconds[0]), [statistics.median(column) for column in zip(*seconds[1:], strict=True)]
+    begin = time.perf_counter()
+    topology = layout.build(lower, upper)
+    built = time.perf_counter()
+    layout.encode(topology, records.take(topology.order))
+    numpy_seconds = built - begin, time.perf_counter() - built
+    ours, reference = cost(accelerator.builder.topology(tree), layout.block), cost(topology, layout.block)
+    size = sum(array.nbytes for array in arrays.values()) / len(records)
+    print(f"{layout.name}, {len(records):,} triangles: device {1e3 * rest[0]:.1f} ms and to order vertices and encode {1e3 * (rest[1] + rest[2]):.1f} ms "
+          f"(encode alone {1e3 * rest[2]:.1f}), first {1e3 * first:.0f} ms; numpy {1e3 * numpy_seconds[0]:.0f} and {1e3 * numpy_seconds[1]:.0f} ms")
+    print(f"  cost {ours:.4f}, numpy's {reference:.4f}; {size:.1f} bytes a triangle beside its vertices, filled: {fill(layout.name, arrays, len(records))}")
+    if kernels:
+        print("  " + kernel_table(accelerator, lower, upper, records))
+
+
+def main() -> None:
+    import pyopencl as cl
+
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--device")
+    parser.add_argument("--faces", type=int, default=20480, help="of a sphere: 20, 80, 320, … 20480")
+    parser.add_argument("--spheres", type=int, default=50)
+    parser.add_argument("--layouts", nargs="+", choices=("bvh8", "bvh2"), default=("bvh8", "bvh2"))
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--kernels", action="store_true")
+    arguments = parser.parse_args()
+    mesh = displaced_spheres(arguments.spheres, arguments.faces)
+    records = np.zeros(len(mesh.faces), np.dtype([("vertices", "<f4", (3, 3))]))
+    records["vertices"] = mesh.triangles
+    device = choose(arguments.device)
+    print(f"{device.platform.version.strip()}, {device.name.strip()}")
+    context = cl.Context([device])
+    queue = cl.CommandQueue(context, device, cl.command_queue_properties.PROFILING_ENABLE)
+    for layout in (Bvh8(), Bvh2()):
+        if layout.name in arguments.layouts:
+            measure(layout, context, queue, records, arguments.runs, arguments.kernels)
+
+
+if __name__ == "__main__":
+    main()
