@@ -16,7 +16,7 @@ FLAT_UP_TO = 8
 """As many primitives are faster tested one after the other than through a tree of two or three nodes."""
 
 
-PACKETS_UP_TO = 64
+PACKETS_UP_TO = 128
 """As many triangles are faster tested one after the other by sixteen rays at once than through a tree by one ray (docs/performance.md)."""
 
 

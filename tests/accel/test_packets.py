@@ -39,7 +39,7 @@ def assert_like_single_rays(device: cl.Device, triangles: np.ndarray, origins: n
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
-@pytest.mark.parametrize("count", [1, 7, PACKETS_UP_TO])
+@pytest.mark.parametrize("count", [1, 40, PACKETS_UP_TO])
 def test_packets_meet_what_single_rays_meet(device: cl.Device, count: int, scale: float) -> None:
     random = np.random.default_rng(count)
     triangles = (scale * random.random((count, 3, 3))).astype(np.float32)
