@@ -17,10 +17,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--effort", type=float, default=1.0, help="times the samples")
     parser.add_argument("--only", default="", help="cases with this in their name")
+    parser.add_argument("--device", default="", help="devices with this in their name or platform (default: all)")
     options = parser.parse_args()
     failed = 0
     for info in list_devices():
-        if info.index is None:
+        if info.index is None or not info.matches(options.device):
             continue
         print(f"\n{info.name}, {info.platform}\n\n| case | expected | came out | as expected | seconds |\n|---|---|---|---|---|", flush=True)
         for case in CASES:

@@ -18,6 +18,8 @@ from lumiere.scene.model import Adaptive, Scene
 
 SCENES = ("diffuse", "glass", "metal")
 
+MOST_SPP = 1 << 16
+
 
 def with_sampler(scene: Scene, **keys: object) -> Scene:
     """The scene with other values in its sampler."""
@@ -29,36 +31,37 @@ def luminance(job: Render) -> np.ndarray:
     return job.image({}).pixels.astype(np.float64) @ LUMINANCE
 
 
-def truth(scene: Scene, spp: int, device: str | None) -> tuple[np.ndarray, float]:
-    """A picture of many samples, and its own relative error."""
+def truth(scene: Scene, spp: int, device: str | None) -> tuple[np.ndarray, float, float]:
+    """A picture of many samples, its own relative error, and that of its mean."""
     job = Render(with_sampler(scene, spp=spp, seed=2**31), device)
     job.run()
     image = job.image({})
     known = image.pixels.astype(np.float64) @ LUMINANCE
-    return known, float(np.mean((np.sqrt(image.variance) @ LUMINANCE) ** 2 / (known**2 + 0.01 * known.mean() ** 2))) ** 0.5
+    variance = (np.sqrt(image.variance) @ LUMINANCE) ** 2
+    return known, float(np.mean(variance / (known**2 + 0.01 * known.mean() ** 2))) ** 0.5, float(variance.sum()) ** 0.5 / known.sum()
 
 
-def coverage(job: Render, known: np.ndarray, target: float, seeds: int) -> str:
-    """In how many of the seeds the true error was at most the target, and what it cost."""
+def coverage(job: Render, known: np.ndarray, of_mean: float, target: float, seeds: int) -> str:
+    """In how many of the seeds the true error was at most the target, and what it cost; ``of_mean`` is the error of the mean of ``known``."""
     errors, stated, counts, biases = [], [], [], []
     for seed in range(seeds):
         job.restart(seed)
-        job.run(target_error=target, spp_limit=1 << 14)
+        job.run(target_error=target, spp_limit=MOST_SPP)
         picture = luminance(job)
         errors.append(relative_error(picture, known))
         stated.append(job.outcome.error.image)
         counts.append(job.counts.mean())
         biases.append(picture.mean() / known.mean() - 1.0)
     below = int(np.sum(np.array(errors) <= target))
-    bias, deviation = np.mean(biases), np.std(biases, ddof=1) / seeds**0.5
+    bias, deviation = np.mean(biases), (np.var(biases, ddof=1) / seeds + of_mean**2) ** 0.5
     return (f"{below} of {seeds} | {np.median(errors):.3f} | {max(errors):.3f} | {np.median(stated):.3f} | {np.median(counts):.0f} | "
             f"{100 * bias:+.3f} ± {196 * deviation:.3f} %")
 
 
 def at_equal_time(scene: Scene, known: np.ndarray, own: float, seconds_each: float, seeds: int, device: str | None) -> str:
     """relMSE of adaptive sampling that is stopped after a time, and of uniform sampling in the time which that took; less that of the reference."""
-    adaptive = Render(with_sampler(scene, adaptive=Adaptive(target_error=1e-6, max_spp=1 << 14)), device)
-    uniform = Render(with_sampler(scene, spp=1 << 14), device)
+    adaptive = Render(with_sampler(scene, adaptive=Adaptive(target_error=1e-6, max_spp=MOST_SPP)), device)
+    uniform = Render(with_sampler(scene, spp=MOST_SPP), device)
     uniform.run(time_limit=0.5)
     errors = {"adaptive": [], "uniform": []}
     seconds = []
@@ -99,11 +102,11 @@ def main() -> None:
     for path in options.scenes or [folder / f"{name}.json" for name in SCENES]:
         name = path.stem
         scene = api.with_options(api.load(path), {"width": options.size, "height": options.size})
-        known, own = truth(scene, options.spp, options.device)
-        for sampling, adaptive in (("uniform", None), ("adaptive", Adaptive(target_error=options.target, max_spp=1 << 14))):
+        known, own, of_mean = truth(scene, options.spp, options.device)
+        for sampling, adaptive in (("uniform", None), ("adaptive", Adaptive(target_error=options.target, max_spp=MOST_SPP))):
             if sampling in options.samplings.split(","):
                 job = Render(with_sampler(scene, adaptive=adaptive), options.device)
-                print(f"| {name} | {sampling} | {coverage(job, known, options.target, options.seeds)} |", flush=True)
+                print(f"| {name} | {sampling} | {coverage(job, known, of_mean, options.target, options.seeds)} |", flush=True)
         if not options.pairs:
             continue
         result = at_equal_time(scene, known, own, options.seconds, options.pairs, options.device)

@@ -29,11 +29,12 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Case:
-    """``run(device, effort)`` renders it; ``effort`` 1 is quick, more means more samples."""
+    """``run(device, effort)`` renders it; ``effort`` 1 is quick, more means more samples. ``slow`` ones are left to tools/extremes.py."""
 
     name: str
     expected: str
     run: Callable[[Any, float], Outcome]
+    slow: bool = False
 
 
 def rendered(scene: Json | Scene, device: Any, **sampler: Any) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:
@@ -192,18 +193,18 @@ def leaks(device: Any, effort: float) -> Outcome:
     return Outcome(lit == 0, f"{lit} values lit in {rays:,} rays")
 
 
-def light_size(area: float) -> Callable[[Any, float], Outcome]:
-    """A disk light of ``area`` that stands so far off that it looks the same, over a floor: irradiance by the closed form E = π L r² / (r² + h²)."""
+def light_size(area: float, height: float) -> Callable[[Any, float], Outcome]:
+    """A disk light of ``area`` at ``height`` over a white floor: irradiance by the closed form E = π L r² / (r² + h²), L such that the floor's is 0.2."""
     def run(device: Any, effort: float) -> Outcome:
-        radius = math.sqrt(area / math.pi)
-        height = 2.0 * radius
+        radius, expected = math.sqrt(area / math.pi), 0.2
         pixels, variance, record = rendered(
-            {"camera": {"type": "orthographic", "position": [0, height / 2, 0], "look_at": [0, 0, 0], "up": [0, 0, -1], "height": 1e-3 * radius},
+            {"camera": {"type": "orthographic", "position": [0, height / 2, 0], "look_at": [0, 0, 0], "up": [0, 0, -1],
+                        "height": 1e-3 * min(radius, height)},
              "film": {"width": 4, "height": 4}, "integrator": {"max_depth": 1},
-             "geometry": [{"type": "disk", "normal": [0, 1, 0], "radius": 10 * radius, "material": {"type": "lambert", "albedo": 1.0}}],
-             "lights": [{"type": "area", "position": [0, height, 0], "normal": [0, -1, 0], "radius": radius, "radiance": 1}]},
+             "geometry": [{"type": "disk", "normal": [0, 1, 0], "radius": 5 * height, "material": {"type": "lambert", "albedo": 1.0}}],
+             "lights": [{"type": "area", "position": [0, height, 0], "normal": [0, -1, 0], "radius": radius,
+                         "radiance": expected * (radius**2 + height**2) / radius**2}]},
             device, spp=int(256 * effort))
-        expected = 1.0 / (1.0 + 4.0)
         off, deviation = pixels.mean() / expected - 1.0, math.sqrt(variance[..., 0].sum()) / 16.0 / expected
         return Outcome(abs(off) < 5.0 * deviation + 1e-4 and record["non_finite"]["count"] == 0, f"{expected:.3f} {off:+.1e} ± {deviation:.0e}, relative")
 
@@ -284,11 +285,47 @@ def summation(device: Any, effort: float) -> Outcome:
     return Outcome(ulps < 1.0, f"relative difference {abs(device_sum / exact - 1.0):.1e} after {spp:,} samples (added plainly: up to {spp * 2**-24:.0e})")
 
 
+def unseen(ior: float) -> Callable[[Any, float], Outcome]:
+    """Smooth and rough balls that (almost) do not refract, before a wall of two halves: the picture without them."""
+    def run(device: Any, effort: float) -> Outcome:
+        balls = [{"type": "sphere", "position": [x, 0, 0], "radius": 0.7, "material": {"type": "dielectric", "ior": ior, "roughness": roughness}}
+                 for x, roughness in ((-0.7, 0.0), (0.7, 0.3))]
+        wall = [{"type": "rectangle", "emission": 6 + y, "emission_sides": "both", "transform": [{"scale": [20, 10, 1]}, {"translate": [0, y, -2]}]}
+                for y in (-5, 5)]
+        with_balls, without = (
+            rendered({"camera": {"position": [0, 0.3, 4], "look_at": [0, 0, 0]}, "film": {"width": 16, "height": 16},
+                      "geometry": geometry}, device, spp=int(64 * effort)) for geometry in (wall + balls, wall))
+        return compared(with_balls, without)
+
+    return run
+
+
+def sheet_stack(ior: float, emission: Json) -> Json:
+    """A view along the normal of 4,096 sheets that absorb nothing."""
+    return {"camera": {"type": "orthographic", "position": [0, 0, 1], "look_at": [0, 0, 0], "height": 1}, "film": {"width": 8, "height": 8},
+            "integrator": {"max_depth": 65535, "russian_roulette_depth": None},
+            "geometry": [{"type": "rectangle", "transform": [{"scale": [50, 50, 1]}, {"translate": [0, 0, -0.001 * i]}],
+                          "material": {"type": "thin_dielectric", "ior": ior}} for i in range(4096)], **emission}
+
+
 def sheets(device: Any, effort: float) -> Outcome:
-    """4,096 stacked sheets that absorb nothing, in white surroundings: 1. Each reflects 0.12 %, so that few paths need more than 65,535 events."""
-    count = 4096
-    sheet = [{"type": "rectangle", "transform": [{"scale": [50, 50, 1]}, {"translate": [0, 0, -0.001 * i]}]} for i in range(count)]
-    return furnace({"type": "thin_dielectric", "ior": 1.05}, spp=4, depth=65535, geometry=sheet)(device, 1.0)
+    """4,096 stacked sheets before a light: T / (T + N R), which follows from T + R = 1 of one (Stokes 1862). Of an index so low that few paths need
+    more than 65,535 events."""
+    ior, count = 1.05, 4096
+    scene = sheet_stack(ior, {"lights": [{"type": "directional", "direction": [0, 0, 1], "irradiance": 1, "angle": 10}]})
+    pixels, variance, record = rendered(scene, device, spp=int(128 * effort), type="independent")
+    smooth = ((ior - 1.0) / (ior + 1.0)) ** 2
+    reflected = 2.0 * smooth / (1.0 + smooth)
+    expected = (1.0 - reflected) / (1.0 - reflected + count * reflected)
+    light = 1.0 / (math.pi * math.sin(math.radians(5.0)) ** 2)
+    off, deviation = pixels.mean() / light - expected, math.sqrt(variance[..., 0].sum()) / 64.0 / light
+    return Outcome(abs(off) < 5.0 * deviation and record["non_finite"]["count"] == 0, f"{expected:.4f} {off:+.4f} ± {deviation:.4f}")
+
+
+def many_events(device: Any, effort: float) -> Outcome:
+    """As many sheets of glass in white surroundings: 1, less the paths that are still inside after 65,535 events."""
+    pixels, _, record = rendered(sheet_stack(1.5, {"lights": [{"type": "environment", "radiance": 1}]}), device, spp=int(32 * effort), type="independent")
+    return Outcome(0.97 < pixels.mean() < 1.0 + 1e-4 and record["non_finite"]["count"] == 0, f"{pixels.mean():.4f}")
 
 
 CASES = [
@@ -301,8 +338,10 @@ CASES = [
     Case("closed sphere of albedo 0.999 to depth 1000", "Σ 0.001 · 0.999ᵏ", enclosure),
     Case("roughness 10⁻⁶, conductor", "1", furnace({"type": "conductor", "metal": "none", "roughness": 1e-6})),
     Case("roughness 10⁻⁶, dielectric", "1", furnace({"type": "dielectric", "roughness": 1e-6})),
-    Case("a light of 10⁻¹² m²", "E = π L r² / (r² + h²)", light_size(1e-12)),
-    Case("a light of 10¹² m²", "E = π L r² / (r² + h²)", light_size(1e12)),
+    Case("a light of 10⁻¹² m², a metre away", "E = π L r² / (r² + h²)", light_size(1e-12, 1.0)),
+    Case("a light of 10⁻¹² m², its diameter away", "E = π L r² / (r² + h²)", light_size(1e-12, 2e-6 / math.sqrt(math.pi))),
+    Case("a light of 10¹² m², a metre away", "E = π L r² / (r² + h²)", light_size(1e12, 1.0)),
+    Case("a light of 10¹² m², its diameter away", "E = π L r² / (r² + h²)", light_size(1e12, 2e6 / math.sqrt(math.pi))),
     Case("radiance 10⁻³⁰ beside 10³⁰", "both as they are", radiances),
     Case("an environment with one pixel at 10⁶", "its irradiance", hot_pixel),
     Case("field of view 10⁻³°", "a disk covers π/16", field_of_view(1e-3)),
@@ -310,5 +349,8 @@ CASES = [
     Case("10⁶ samples summed", "the sum in float64", summation),
     Case("ior 1", "1", furnace({"type": "dielectric", "ior": 1.0})),
     Case("ior 1 + 10⁻⁷", "1", furnace({"type": "dielectric", "ior": 1.0000001})),
-    Case("4,096 stacked dielectric sheets", "1", sheets),
+    Case("ior 1, before a wall", "the wall", unseen(1.0)),
+    Case("ior 1 + 10⁻⁷, before a wall", "the wall", unseen(1.0000001)),
+    Case("4,096 stacked dielectric sheets", "T / (T + N R)", sheets),
+    Case("4,096 sheets of glass, white surroundings", "1 less what max_depth cuts off", many_events, slow=True),
 ]

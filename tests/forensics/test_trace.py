@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,37 @@ def test_the_radiance_is_that_of_the_sample(device: Any) -> None:
         assert np.array_equal(path.radiance.astype(np.float32), picture[y, x])
         parts = sum(v.emitted + v.connected for v in path.vertices)
         assert np.allclose(parts, path.radiance, rtol=1e-6)
+
+
+def test_walks_through_bodies_are_followed_to_their_end(device: Any) -> None:
+    """Each scattering event is a vertex, and what the path adds behind them is all of the sample."""
+    scene = api.load({"scene": {
+        "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0], "fov": 20}, "film": {"width": 4, "height": 4}, "integrator": {"max_depth": 30},
+        "geometry": [{"type": "sphere", "material": {"type": "subsurface", "albedo": 0.9, "radius": 0.3}}],
+        "lights": [{"type": "environment", "radiance": 1}, {"type": "area", "position": [0, 3, 2], "radius": 0.5, "radiance": 9}]}})
+    picture = api.render(scene, spp=1, device=device.name).pixels
+    events = 0
+    for y, x in ((1, 1), (1, 2), (2, 1), (2, 2)):
+        path, _ = watch(scene, (x, y), 0, device.name)
+        assert np.array_equal(path.radiance.astype(np.float32), picture[y, x])
+        assert np.allclose(sum(v.emitted + v.connected for v in path.vertices), path.radiance, rtol=1e-6)
+        events += sum(v.program == "scatter" for v in path.vertices)
+    assert events > 4
+    assert any("scatters in the body" in line for line in trace_path(scene, (1, 1), 0, device.name))
+
+
+def test_densities_of_sampled_light_give_its_weight(device: Any) -> None:
+    """The power heuristic of the densities that are told is the weight found by replaying without it."""
+    pattern = re.compile(r"shadow ray .* MIS weight (\S+) \(light pdf (\S+), BSDF pdf (\S+)\)")
+    found = 0
+    for x in range(6):
+        for line in trace_path(_scene(), (x, 4), 0, device.name):
+            match = pattern.search(line)
+            if match:
+                weight, light, bsdf = map(float, match.groups())
+                assert weight == pytest.approx(light**2 / (light**2 + bsdf**2), rel=1e-3)
+                found += 1
+    assert found >= 6
 
 
 def test_weights_of_the_two_ways_add_up_to_one(device: Any) -> None:

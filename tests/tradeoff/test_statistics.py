@@ -67,6 +67,14 @@ def test_trimming_drops_a_firefly() -> None:
     assert metrics.rel_mse(picture, reference, metrics.TRIMMED) == pytest.approx(0.01 / 1.01)
 
 
+def test_flip_tells_a_picture_from_itself_by_nothing_and_from_another_by_more_the_further_it_is() -> None:
+    pytest.importorskip("flip_evaluator", reason="FLIP is an extra")
+    reference = np.random.default_rng(3).uniform(0.0, 2.0, (32, 32, 3))
+    near, far = metrics.flip(reference * 1.1, reference), metrics.flip(reference * 2.0, reference)
+    assert metrics.flip(reference, reference) == 0.0
+    assert near is not None and far is not None and 0.0 < near < far <= 1.0
+
+
 @pytest.mark.parametrize("degrees", [3, 7, 15, 100])
 def test_t_quantile(degrees: int) -> None:
     assert t_quantile(degrees) == pytest.approx(stats.t.ppf(0.975, degrees), rel=0.01)
