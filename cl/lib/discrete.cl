@@ -33,8 +33,11 @@ static inline discrete_t discrete_sample(global const uint *cdf, uint count, uin
     d.index = low;
     d.probability = discrete_probability(cdf, low);
     uint below = discrete_below(cdf, low);
-    // In floats, since dividing 64-bit integers is slow: 24 of the bits.
-    float rest = ((float)(u - below) + 0.5f) / ((float)(cdf[low] - below) + 1.0f);
-    d.rest = count > 1u ? (uint)(fmin(rest, 0x1.fffffep-1f) * 0x1p32f) : u;
+    // (u − below) 2³² / width: a quotient of floats, and what that leaves. Dividing 64-bit integers is slow.
+    ulong width = (ulong)(cdf[low] - below) + 1UL;
+    float reciprocal = 1.0f / (float)width;
+    uint first = (uint)fmin((float)(u - below) * reciprocal * 0x1p32f, 0x1.fffffep31f);
+    long left = (long)(((ulong)(u - below) << 32) - (ulong)first * width);
+    d.rest = (uint)clamp((long)first + (long)((float)left * reciprocal), 0L, 0xffffffffL);
     return d;
 }
