@@ -56,8 +56,8 @@ def test_densities_of_sampled_light_give_its_weight(device: Any) -> None:
     """The power heuristic of the densities that are told is the weight found by replaying without it."""
     pattern = re.compile(r"shadow ray .* MIS weight (\S+) \(light pdf (\S+), BSDF pdf (\S+)\)")
     found = 0
-    for x in range(6):
-        for line in trace_path(_scene(), (x, 4), 0, device.name):
+    for x in range(12):
+        for line in trace_path(_scene(), (x % 6, 4 - x // 6), 0, device.name):
             match = pattern.search(line)
             if match:
                 weight, light, bsdf = map(float, match.groups())

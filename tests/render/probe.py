@@ -34,7 +34,8 @@ def _build(device: cl.Device, text: str) -> tuple[cl.Context, cl.CommandQueue, c
     context = cl.Context([device])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", cl.CompilerWarning)
-        program = cl.Program(context, text).build(["-cl-kernel-arg-info"])
+        # Not from pyopencl's cache: Intel's runtime knows no arguments of a program that was built before.
+        program = cl.Program(context, text).build(["-cl-kernel-arg-info"], cache_dir=False)
     return context, cl.CommandQueue(context), cl.Kernel(program, "probe")
 
 
