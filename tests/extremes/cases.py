@@ -313,7 +313,7 @@ def sheets(device: Any, effort: float) -> Outcome:
     more than 65,535 events."""
     ior, count = 1.05, 4096
     scene = sheet_stack(ior, {"lights": [{"type": "directional", "direction": [0, 0, 1], "irradiance": 1, "angle": 10}]})
-    pixels, variance, record = rendered(scene, device, spp=int(128 * effort), type="independent")
+    pixels, variance, record = rendered(scene, device, spp=int(64 * effort), type="independent")
     smooth = ((ior - 1.0) / (ior + 1.0)) ** 2
     reflected = 2.0 * smooth / (1.0 + smooth)
     expected = (1.0 - reflected) / (1.0 - reflected + count * reflected)
