@@ -9,8 +9,8 @@ What a BSDF reflects of the light from one direction is what a layer below it do
   table's values are those whose interpolation is nearest to L everywhere, in least squares: L at the nodes would be thrice as far off between them.
 * Charlie sheen (Estevez & Kulla 2017).
 
-The cosine's axis is s = 2/π atan(√μ / (roughness √(1 − μ))), which spreads grazing angles as the roughness does. η's axis is
-y = (1 − min(η, 1/η))^0.4, finer about 1, where L is steep; there are more nodes for η < 1, where reflection becomes total.
+The cosine's axis is s = √μ / (√μ + roughness √(1 − μ)), which spreads grazing angles as the roughness does. η's axis is
+y = (1 − min(η, 1/η))^(3/8), finer about 1, where L is steep; there are more nodes for η < 1, where reflection becomes total.
 
 Run it from anywhere; it takes five minutes::
 
@@ -46,13 +46,13 @@ SMALLEST_SHEEN_ROUGHNESS = 0.1
 
 def cosine(s: float, roughness: float) -> float:
     """μ of a node of the cosine's axis."""
-    t = (roughness * np.tan(0.5 * np.pi * min(s, 1.0 - 1e-9))) ** 2
+    t = (roughness * s / max(1.0 - s, 1e-9)) ** 2
     return float(np.clip(t / (1.0 + t), 1e-6, 1.0))
 
 
 def axis(mu: Array, roughness: float) -> Array:
     """The inverse of ``cosine``."""
-    return np.arctan2(np.sqrt(mu), roughness * np.sqrt(1.0 - mu)) * 2.0 / np.pi
+    return np.sqrt(mu) / (np.sqrt(mu) + roughness * np.sqrt(1.0 - mu))
 
 
 def visible_normals(mu: float, alpha: float, points: int) -> tuple[Array, Array, Array]:
@@ -152,7 +152,7 @@ def ggx_tables() -> tuple[Array, Array]:
 
 def interface_index(y: float) -> float:
     """η < 1 of a node of the index's axis."""
-    return 1.0 - float(np.clip(y**2.5, 1e-6, 0.998))
+    return 1.0 - float(np.clip(y ** (8.0 / 3.0), 1e-6, 0.998))
 
 
 def fitted(function: Callable[[float, float, float], float], shape: tuple[int, int, int]) -> Array:

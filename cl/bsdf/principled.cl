@@ -291,7 +291,8 @@ static inline float3 principled_direction(const principled_lobes_t *lobes, float
 #ifdef PRINCIPLED_GLASS
     const float eta = relative_ior(lobes->interface.ior, wo);
     if (wo.z < 0.0f) {
-        const float3 wi = rough_interface_direction(&lobes->interface, (float3)(wo.x, wo.y, -wo.z), eta, u);
+        const interface_return_t back = rough_interface_return(&lobes->interface, eta, wo);
+        const float3 wi = rough_interface_direction(&lobes->interface, &back, (float3)(wo.x, wo.y, -wo.z), eta, u);
         return (float3)(wi.x, wi.y, -wi.z);
     }
 #endif
@@ -311,8 +312,10 @@ static inline float3 principled_direction(const principled_lobes_t *lobes, float
         return square_to_hemisphere(u.yz);
 #endif
 #ifdef PRINCIPLED_GLASS
-    if (u.x < below + p.glass)
-        return rough_interface_direction(&lobes->interface, wo, eta, (float3)(clamp((u.x - below) / p.glass, 0.0f, 1.0f), u.y, u.z));
+    if (u.x < below + p.glass) {
+        const interface_return_t back = rough_interface_return(&lobes->interface, eta, wo);
+        return rough_interface_direction(&lobes->interface, &back, wo, eta, (float3)(clamp((u.x - below) / p.glass, 0.0f, 1.0f), u.y, u.z));
+    }
 #endif
     return principled_mirrored(lobes->ggx, wo, u.yz);
 }

@@ -18,10 +18,11 @@ typedef struct {
     float edge;
 } ggx_albedo_t;
 
-// s = 2/π atan(√μ / (roughness √(1 − μ))): the tables' axis of cosines.
+// s = √μ / (√μ + roughness √(1 − μ)): the tables' axis of cosines.
 static inline float albedo_axis(float roughness, float mu)
 {
-    return 2.0f * INV_PI * atan2(sqrt(mu), roughness * sqrt(fmax(0.0f, 1.0f - mu)));
+    const float near = sqrt(mu), far = roughness * sqrt(fmax(0.0f, 1.0f - mu));
+    return near / (near + far);
 }
 
 // Into a direction of cosine mu ≥ 0.

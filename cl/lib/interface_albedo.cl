@@ -9,12 +9,13 @@
 #include "lib/interface_albedo_table.cl"
 #include "lib/math.cl"
 
-// Where η lies on the tables' axis of y = (1 − min(η, 1/η))^0.4: *row is the first of the two rows, the value how far it is to the next.
+// Where η lies on the tables' axis of y = (1 − min(η, 1/η))^(3/8): *row is the first of the two rows, the value how far it is to the next.
 static inline float interface_axis(float eta, int *row)
 {
     const bool below = eta < 1.0f;
     const int rows = below ? INTERFACE_LOSS_BELOW : INTERFACE_LOSS_ABOVE;
-    const float y = (float)(rows - 1) * pow(clamp(1.0f - (below ? eta : 1.0f / eta), 0.0f, 1.0f), 0.4f);
+    const float quarter = sqrt(sqrt(clamp(1.0f - (below ? eta : 1.0f / eta), 0.0f, 1.0f)));
+    const float y = (float)(rows - 1) * quarter * sqrt(quarter);
     const int k = min((int)y, rows - 2);
     *row = below ? k : INTERFACE_LOSS_BELOW + k;
     return y - (float)k;
@@ -57,16 +58,18 @@ static inline float interface_average_transmittance(float eta)
     return eta >= 1.0f ? t : t / (n * n);
 }
 
-// What is given back, seen from a side.
+// What is given back, seen from a side and along a direction.
 typedef struct {
+    float lost;         // L
     float average;      // L̄ of this side
     float far_average;  // L̄′
     float crosses;      // T
 } interface_return_t;
 
-static inline interface_return_t interface_return(float roughness, float eta)
+static inline interface_return_t interface_return(float roughness, float eta, float mu)
 {
     interface_return_t back;
+    back.lost = interface_loss(roughness, eta, mu);
     back.average = fmax(interface_loss_average(roughness, eta), 1e-6f);
     back.far_average = fmax(interface_loss_average(roughness, 1.0f / eta), 1e-6f);
     back.crosses = interface_average_transmittance(eta) * back.far_average / fmax(back.average, back.far_average);

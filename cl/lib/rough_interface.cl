@@ -59,55 +59,68 @@ static inline rough_facet_t rough_interface_facet(const rough_interface_t *inter
     return f;
 }
 
-// f |cosθi| of a rough interface.
-static inline float3 rough_interface_eval(const rough_interface_t *interface, float3 wo, float3 wi)
+// f |cosθi| of a rough interface, and the density of its sampling: visible normals, then reflection with the probability F and refraction with
+// 1 − F; what is given back, by its share. `back` is that of wo's side.
+static inline float3 rough_interface_scatter(const rough_interface_t *interface, const rough_facet_t *f, const interface_return_t *back, float *pdf)
 {
-    const rough_facet_t f = rough_interface_facet(interface, wo, wi);
-    if (f.wo.z <= 0.0f || f.wi.z == 0.0f)
+    *pdf = 0.0f;
+    if (f->wo.z <= 0.0f || f->wi.z == 0.0f)
         return (float3)(0.0f);
-    const ggx_t ggx = ggx_new(interface->roughness, 0.0f);
-    const bool reflected = f.wi.z > 0.0f;
+    const bool reflected = f->wi.z > 0.0f;
     float value = 0.0f;
-    if (f.valid)
-        value = (reflected ? f.reflectance : (1.0f - f.reflectance) / (f.eta * f.eta))
-              * ggx_density(ggx, f.m) * ggx_g2_over_cos_cos(ggx, f.wo, f.wi) * fabs(f.wi.z) * dot(f.wo, f.m) * f.jacobian;
+    if (f->valid) {
+        const ggx_t ggx = ggx_new(interface->roughness, 0.0f);
+        value = (reflected ? f->reflectance : (1.0f - f->reflectance) / (f->eta * f->eta))
+              * ggx_density(ggx, f->m) * ggx_g2_over_cos_cos(ggx, f->wo, f->wi) * fabs(f->wi.z) * dot(f->wo, f->m) * f->jacobian;
+        *pdf = (reflected ? f->reflectance : 1.0f - f->reflectance) * ggx_visible_density(ggx, f->wo, f->m) * f->jacobian;
+    }
 #ifdef ENERGY_COMPENSATION
-    const interface_return_t back = interface_return(interface->roughness, f.eta);
-    const float lost = interface_loss(interface->roughness, f.eta, f.wo.z) * INV_PI * fabs(f.wi.z);
-    value += reflected ? (1.0f - back.crosses) * lost * interface_loss(interface->roughness, f.eta, f.wi.z) / back.average
-                       : back.crosses * lost * interface_loss(interface->roughness, 1.0f / f.eta, -f.wi.z) / (back.far_average * f.eta * f.eta);
+    const float lost = back->lost * INV_PI * fabs(f->wi.z);
+    const float far_lost = interface_loss(interface->roughness, reflected ? f->eta : 1.0f / f->eta, fabs(f->wi.z));
+    value += reflected ? (1.0f - back->crosses) * lost * far_lost / back->average
+                       : back->crosses * lost * far_lost / (back->far_average * f->eta * f->eta);
+    *pdf = (1.0f - back->lost) * *pdf + lost * (reflected ? 1.0f - back->crosses : back->crosses);
 #endif
     return reflected ? (float3)(value) : interface->transmittance * value;
 }
 
-// Visible normals, then reflection with the probability F and refraction with 1 − F; what is given back, by its share.
+// What is given back, seen from wo.
+static inline interface_return_t rough_interface_return(const rough_interface_t *interface, float eta, float3 wo)
+{
+#ifdef ENERGY_COMPENSATION
+    return interface_return(interface->roughness, eta, fabs(wo.z));
+#else
+    const interface_return_t none = {0.0f, 1.0f, 1.0f, 0.0f};
+    return none;
+#endif
+}
+
+static inline float3 rough_interface_eval(const rough_interface_t *interface, float3 wo, float3 wi)
+{
+    const rough_facet_t f = rough_interface_facet(interface, wo, wi);
+    const interface_return_t back = rough_interface_return(interface, f.eta, wo);
+    float pdf;
+    return rough_interface_scatter(interface, &f, &back, &pdf);
+}
+
 static inline float rough_interface_pdf(const rough_interface_t *interface, float3 wo, float3 wi)
 {
     const rough_facet_t f = rough_interface_facet(interface, wo, wi);
-    if (f.wo.z <= 0.0f || f.wi.z == 0.0f)
-        return 0.0f;
-    const bool reflected = f.wi.z > 0.0f;
-    float pdf = 0.0f;
-    if (f.valid)
-        pdf = (reflected ? f.reflectance : 1.0f - f.reflectance) * ggx_visible_density(ggx_new(interface->roughness, 0.0f), f.wo, f.m) * f.jacobian;
-#ifdef ENERGY_COMPENSATION
-    const float lost = interface_loss(interface->roughness, f.eta, f.wo.z);
-    const float crosses = interface_return(interface->roughness, f.eta).crosses;
-    pdf = (1.0f - lost) * pdf + lost * (reflected ? 1.0f - crosses : crosses) * INV_PI * fabs(f.wi.z);
-#endif
+    const interface_return_t back = rough_interface_return(interface, f.eta, wo);
+    float pdf;
+    rough_interface_scatter(interface, &f, &back, &pdf);
     return pdf;
 }
 
-// A direction that the facets send light from; z = 0 where the facet would send it to the side where it cannot come from.
-static inline float3 rough_interface_direction(const rough_interface_t *interface, float3 above, float eta, float3 u)
+// A direction that the facets send light from, wo being above; z = 0 where the facet would send it to the side where it cannot come from.
+static inline float3 rough_interface_direction(const rough_interface_t *interface, const interface_return_t *back, float3 above, float eta, float3 u)
 {
 #ifdef ENERGY_COMPENSATION
-    const float lost = interface_loss(interface->roughness, eta, above.z);
-    if (u.x < lost) {
+    if (u.x < back->lost) {
         const float3 wi = square_to_cosine_hemisphere(u.yz);
-        return u.x < lost * interface_return(interface->roughness, eta).crosses ? (float3)(wi.x, wi.y, -wi.z) : wi;
+        return u.x < back->lost * back->crosses ? (float3)(wi.x, wi.y, -wi.z) : wi;
     }
-    u.x = (u.x - lost) / (1.0f - lost);
+    u.x = (u.x - back->lost) / (1.0f - back->lost);
 #endif
     const float3 m = ggx_sample_visible(ggx_new(interface->roughness, 0.0f), above, u.yz);
     const float cos_o = clamp(dot(above, m), 0.0f, 1.0f);
@@ -124,15 +137,20 @@ static inline bsdf_sample_t rough_interface_sample(const rough_interface_t *inte
     if (wo.z == 0.0f)
         return s;
     const float eta = relative_ior(interface->ior, wo);
-    float3 wi = rough_interface_direction(interface, (float3)(wo.x, wo.y, fabs(wo.z)), eta, u);
+    const interface_return_t back = rough_interface_return(interface, eta, wo);
+    float3 wi = rough_interface_direction(interface, &back, (float3)(wo.x, wo.y, fabs(wo.z)), eta, u);
+    if (wi.z == 0.0f)
+        return s;
     const bool reflected = wi.z > 0.0f;
     wi.z *= wo.z > 0.0f ? 1.0f : -1.0f;
-    const float pdf = wi.z != 0.0f ? rough_interface_pdf(interface, wo, wi) : 0.0f;
+    const rough_facet_t f = rough_interface_facet(interface, wo, wi);
+    float pdf;
+    const float3 value = rough_interface_scatter(interface, &f, &back, &pdf);
     if (pdf <= 0.0f)
         return s;
     s.wi = wi;
     s.pdf = pdf;
-    s.weight = rough_interface_eval(interface, wo, wi) / pdf;
+    s.weight = value / pdf;
     s.eta = reflected ? 1.0f : eta;
     return s;
 }
