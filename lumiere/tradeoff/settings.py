@@ -88,8 +88,6 @@ def _accelerators() -> Iterator[Setting]:
         if name != "flat":
             yield Setting("accelerator", name, overrides=Overrides(accelerator=preferring(name)), builds=True)
     yield Setting("accelerator", "of low build quality", overrides=Overrides(accelerator=_low_quality))
-    yield Setting("accelerator", "built by numpy", overrides=Overrides(build_on_device=False))
-    yield Setting("accelerator", "built on the device", overrides=Overrides(build_on_device=True))
 
 
 class _HighTraversalCost:
