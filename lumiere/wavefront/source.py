@@ -77,7 +77,7 @@ def _defines(features: Features, policy: Policy) -> str:
         "CHUNK": f"{chunk}u",
         # Intel's runtime for CPUs would vectorise across work-items: traversal, which has vectors of its own, is 7 to 11 times slower then, and
         # large BSDFs overwrite each other's results (runtime 2026.22.10; docs/devices.md).
-        "UNVECTORIZED": "" if policy.compacted else "__attribute__((vec_type_hint(float8)))",
+        "UNVECTORIZED": "" if policy.groups_leave else "__attribute__((vec_type_hint(float8)))",
         "WORK_GROUP_SIZE": f"{policy.work_group}u", "WORK_GROUP": f"__attribute__((reqd_work_group_size({policy.work_group}, 1, 1)))",
     }
     lines = [f"#define {name}" for name, present in flags.items() if present]
