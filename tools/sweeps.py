@@ -1,6 +1,6 @@
 """Renders a row of spheres for each of the materials' parameters, from one end of it to the other: the picture of the README.
 
-    python tools/sweeps.py out/sweeps.png [--spp 256] [--device D]
+    python tools/sweeps.py docs/images/sweeps.jpg [--spp 256] [--device D]
 
 The rows, from the top: gold's, glass' and plastic's roughness; then of `principled`: `metallic`, `specular`, `anisotropy`, `clearcoat`, `sheen`,
 `transmission`, `subsurface`; then glass' `abbe_number`, and the `weight` of a mix of copper with green paint.
