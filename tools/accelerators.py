@@ -2,7 +2,7 @@
 
     python tools/accelerators.py [SCENE] [--device D] [--layouts L …] [--width W] [--height H] [--spp N] [--repeats N] [--json F]
 
-Without a scene: the benchmark's million triangles. At most 7 scattering events, no roulette. All samples are in flight at once, so that a launch of
+At most 7 scattering events, no roulette. All samples are in flight at once, so that a launch of
 extend traces camera rays only, or rays of one bounce. Times are the device's, of kernels that also read and write the paths' state; medians.
 """
 
@@ -22,8 +22,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from benchmark_scene import displaced_spheres  # noqa: E402
-from benchmark_scene import scene as spheres_scene  # noqa: E402
+from benchmark_scene import SCENES, write  # noqa: E402
 
 MAX_DEPTH = 7
 KINDS = ("camera", "bounce", "shadow")
@@ -129,7 +128,7 @@ def main() -> int:
     from lumiere.wavefront.policy import is_gpu
 
     parser = argparse.ArgumentParser(description="Measure the layouts of accelerators.")
-    parser.add_argument("scene", nargs="?", type=Path)
+    parser.add_argument("scene", nargs="?", default="million", help=f"a file, or one of the benchmark's: {', '.join(SCENES)} (default: million)")
     parser.add_argument("--device")
     parser.add_argument("--layouts", nargs="+", default=[name for name in layouts() if name != "flat"])
     parser.add_argument("--width", type=int)
@@ -142,11 +141,7 @@ def main() -> int:
     width, height, spp = (1920, 1080, 8) if is_gpu(device) else (480, 270, 4)
     size = {"width": arguments.width or width, "height": arguments.height or height, "spp": arguments.spp or spp, "max_depth": MAX_DEPTH}
     with tempfile.TemporaryDirectory() as name:
-        path = arguments.scene
-        if path is None:
-            path = Path(name) / "spheres.json"
-            displaced_spheres(50, 20480).export(Path(name) / "spheres.ply")
-            path.write_text(json.dumps(spheres_scene("spheres.ply", width, height)), encoding="utf-8")
+        path = write(arguments.scene, Path(name)) if arguments.scene in SCENES else Path(arguments.scene)
         scene = api.with_options(api.load(path), size)
         scene = replace(scene, integrator=replace(scene.integrator, russian_roulette_depth=None))
         candidates = list(prepared(scene, arguments.layouts, arguments.device))
