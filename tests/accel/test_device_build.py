@@ -20,6 +20,7 @@ from tests.accel.test_build import check
 from tests.accel.test_encode import leaves_of, wide_nodes, wide_nodes_of
 from tests.accel.test_traversal import assert_same_hits, mesh_triangles, rays_around
 from tests.accel.tracer import NONE, Tracer
+from tests.contexts import context_of
 
 RECORD = np.dtype([("vertices", "<f4", (3, 3))])
 GRAINS = {"alone": Grain(group=1, chunk=500, small=100, span=64), "groups": Grain(group=64, chunk=512, small=32, span=32), "own": None}
@@ -30,7 +31,7 @@ every_layout = pytest.mark.parametrize("layout", LAYOUTS, ids=lambda layout: lay
 
 @cache
 def accelerator(device: cl.Device, layout: Bvh2 | Bvh8, grain: str) -> OnDevice:
-    context = cl.Context([device])
+    context = context_of(device)
     made = OnDevice(layout, context, cl.CommandQueue(context))
     made.builder.grain = GRAINS[grain]
     return made
@@ -148,7 +149,7 @@ def test_rays_meet_what_they_meet_in_a_list(device: cl.Device, layout: Bvh2 | Bv
 
 
 def test_a_handful_is_left_to_numpy(device: cl.Device) -> None:
-    context = cl.Context([device])
+    context = context_of(device)
     made = OnDevice(Bvh8(), context, cl.CommandQueue(context))
     triangles = scattered(8)
     tree = made.build(triangles.min(axis=1), triangles.max(axis=1))
@@ -156,7 +157,7 @@ def test_a_handful_is_left_to_numpy(device: cl.Device) -> None:
 
 
 def test_who_builds(device: cl.Device) -> None:
-    context = cl.Context([device])
+    context = context_of(device)
     queue = cl.CommandQueue(context)
 
     def builds(n: int, wanted: bool | None = None) -> bool:

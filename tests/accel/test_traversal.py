@@ -14,6 +14,7 @@ from lumiere.accel.flat import Flat
 from lumiere.device.source import assemble, template
 from lumiere.wavefront.policy import is_gpu
 from tests.accel.tracer import ACCELERATORS, NONE, SHAPE, TREES, Tracer, scene_struct
+from tests.contexts import context_of
 
 ASSETS = Path(__file__).parents[3] / "shared" / "assets"
 MESHES = ["alien.glb", "alpha_blend_mode.glb", "flight_helmet/FlightHelmet.gltf", "fuze/fuze.obj", "spot/spot.obj", "spot_closed.ply",
@@ -227,7 +228,7 @@ kernel void build_only(global float *t)
     *t = found ? -1.0f : hit.t;
 }
 """
-    context = cl.Context([device])
+    context = context_of(device)
     program = cl.Program(context, assemble("kinds.cl", "", {"kinds.cl": text})).build()
     queue, t = cl.CommandQueue(context), np.float32([7.0])
     buffer = cl.Buffer(context, cl.mem_flags.COPY_HOST_PTR, hostbuf=t)

@@ -11,6 +11,7 @@ from lumiere.accel.flat import Flat
 from lumiere.device.source import assemble
 from tests.accel.test_traversal import assert_same_hits, every_accelerator, every_tree, lattice, mesh_triangles, rays_around
 from tests.accel.tracer import ACCELERATORS, NONE, Tracer
+from tests.contexts import context_of
 
 
 def run(device: cl.Device, body: str, *columns: np.ndarray) -> np.ndarray:
@@ -21,7 +22,7 @@ def run(device: cl.Device, body: str, *columns: np.ndarray) -> np.ndarray:
     kernel = f"kernel void test({parameters}global float *out) {{ size_t i = get_global_id(0); {loads} out[i] = {body}; }}"
     text = assemble("test.cl", "", {"test.cl": "typedef struct { global const float *triangle_vertices; } scene_t;\n"
                                                f'#include "shape/triangle_test.cl"\n{kernel}'})
-    context = cl.Context([device])
+    context = context_of(device)
     queue, out = cl.CommandQueue(context), np.zeros(len(columns[0]), np.float32)
     flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
     buffers = [cl.Buffer(context, flags, hostbuf=np.ascontiguousarray(c, np.float32)) for c in columns]

@@ -10,6 +10,7 @@ import pyopencl as cl
 from lumiere.accel import PACKET_LAYOUTS, Accelerator, layouts
 from lumiere.accel.build import Topology
 from lumiere.device.source import assemble, template
+from tests.contexts import context_of
 
 ACCELERATORS: list[Accelerator] = [layout() for layout in layouts().values()]
 TREES = [accelerator for accelerator in ACCELERATORS if accelerator.name != "flat"]
@@ -103,7 +104,7 @@ def scene_struct(arrays: dict[str, str]) -> str:
 
 @cache
 def _program(device: cl.Device, layout: str, arrays: tuple[tuple[str, str], ...], defines: str) -> tuple[cl.Context, cl.CommandQueue, cl.Kernel]:
-    context = cl.Context([device])
+    context = context_of(device)
     kernel = PACKET_KERNEL if layout in PACKET_LAYOUTS else KERNEL
     kernel %= ("".join(f"global const {c_type} *{name}, " for name, c_type in arrays), "".join(f"{name}, " for name, _ in arrays))
     text = assemble("trace.cl", defines, {"trace.cl": scene_struct(dict(arrays)) + SHAPE + template(f"accel/{layout}.cl") + kernel})

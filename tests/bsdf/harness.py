@@ -11,6 +11,7 @@ import pyopencl as cl
 
 from lumiere.bsdf import Material
 from lumiere.device.source import assemble
+from tests.contexts import context_of
 
 Array = np.ndarray
 
@@ -71,7 +72,7 @@ class Bsdf:
     """A BSDF kind, compiled. Directions are (n, 3) or (3,); ``parameters`` is one record (as ``pack`` makes it) or n of them."""
 
     def __init__(self, device: cl.Device, kind: str, parameters: dict[str, str], features: tuple[str, ...] = ()) -> None:
-        self.context = cl.Context([device])
+        self.context = context_of(device)
         self.queue = cl.CommandQueue(self.context)
         members, loads, offset = "", "", 0
         for name, sort in parameters.items():

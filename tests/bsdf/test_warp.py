@@ -10,6 +10,7 @@ import pytest
 
 from lumiere.device.source import assemble
 from tests.bsdf.harness import uniform
+from tests.contexts import context_of
 from tests.statistics import chi_square, sidak
 
 SAMPLES = 1 << 20
@@ -35,7 +36,7 @@ def test_warp(device: cl.Device, name: str) -> None:
     call, radial = WARPS[name]
     u = uniform(np.random.default_rng(7), SAMPLES, 2)
     u[:4] = [[0.0, 0.0], [1.0 - 2.0**-24, 1.0 - 2.0**-24], [0.5, 0.5], [0.0, 0.5]]
-    context = cl.Context([device])
+    context = context_of(device)
     queue = cl.CommandQueue(context)
     text = assemble("lib/warp.cl") + KERNEL.replace("WARP(vload2(i, u))", call.replace("(u", "(vload2(i, u)"))
     with warnings.catch_warnings():

@@ -14,6 +14,7 @@ from lumiere.scene.load import load
 from lumiere.wavefront.batch import Batch
 from lumiere.wavefront.policy import policy_for
 from lumiere.wavefront.source import program_sources
+from tests.contexts import context_of
 
 Array = np.ndarray
 
@@ -31,7 +32,7 @@ kernel void probe(STAGE_PARAMETERS, uint probe_count, global const float *in_flo
 
 @cache
 def _build(device: cl.Device, text: str) -> tuple[cl.Context, cl.CommandQueue, cl.Kernel]:
-    context = cl.Context([device])
+    context = context_of(device)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", cl.CompilerWarning)
         # Not from pyopencl's cache: Intel's runtime knows no arguments of a program that was built before.
