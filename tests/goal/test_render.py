@@ -64,7 +64,10 @@ def test_adaptive_pixels_hold_the_samples_of_their_count(device: Any) -> None:
     """Whatever rounds and batches they came in: each pixel is that of a uniform render of as many samples, bit by bit."""
     scene = _adaptive(0.03, 4096)
     scene.film.aovs = ("sample_count",)
-    image = api.render(scene, device=device.name)
+    job = Render(scene, device.name)
+    job.wavefront.policy = dataclasses.replace(job.wavefront.policy, fill=1 << 16)  # a round that fills a GPU takes all pixels of this picture
+    job.run()
+    image = job.image({})
     counts = image.aovs["sample_count"]
     assert len(np.unique(counts)) > 1
     for n in np.unique(counts):
