@@ -88,7 +88,7 @@ def prepare(scene: Any, layout: str, device: str | None) -> Candidate:
         raise SystemExit(f"found {samples:,} samples, expected at most {render.wavefront.policy.batch:,} in one batch; take a smaller picture")
     buffers = render.wavefront.buffers
     trees = [name for shape in buffers.features.shapes for name in buffers.arrays
-             if name.startswith(f"{shape}_") and name.removeprefix(f"{shape}_") in ("nodes", "children", "blocks", "ranges", "vertices")]
+             if name.startswith(f"{shape}_") and name.removeprefix(f"{shape}_") in ("nodes", "children", "blocks", "vertices")]
     found = Candidate(layout, render, render.seconds["accelerator"], sum(buffers.arrays[name][1].nbytes for name in trees) / 1e6)
     found.run()
     return found

@@ -259,8 +259,8 @@ def _edges() -> Any:
     class Edges(Bvh8):
         def encode(self, topology: Any, records: np.ndarray) -> dict[str, np.ndarray]:
             arrays = super().encode(topology, records)
-            blocks = arrays["blocks"].reshape(-1, 3, 3, 8)
-            blocks[:, 1:] -= blocks[:, :1]
+            blocks = arrays["blocks"]
+            blocks[:, 3:9] -= np.tile(blocks[:, :3], (1, 2, 1))
             return arrays
 
     return Edges()

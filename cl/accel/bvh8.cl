@@ -37,12 +37,12 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
                 stack[at] = entry;
             }
         } else {
-            uint block = current & ~BVH8_LEAF;
+            global const float *block = SHAPE_BUFFER(blocks) + BVH8_BLOCK * (size_t)(current & ~BVH8_LEAF);
             bvh8_block_t test;
-            VISIT_PRIMITIVES(scene, (SHAPE_BUFFER(ranges)[block] >> 28) + 1u);
-            bvh8_block_test(&prepared, SHAPE_BUFFER(blocks) + 72 * (size_t)block, hit->t, &test);
+            VISIT_PRIMITIVES(scene, (bvh8_range(block) >> 28) + 1u);
+            bvh8_block_test(&prepared, block, hit->t, &test);
             for (ulong lanes = test.met | test.doubt; lanes; lanes &= lanes - 1UL) {
-                uint lane = bvh8_first_lane(lanes), range = SHAPE_BUFFER(ranges)[block], index = (range & 0x0fffffffu) + lane;
+                uint lane = bvh8_first_lane(lanes), range = bvh8_range(block), index = (range & 0x0fffffffu) + lane;
                 if (lane > range >> 28)
                     break;
                 hit_t candidate = {test.t.lane[lane], test.u.lane[lane], test.v.lane[lane], 0u};

@@ -4,6 +4,7 @@
 #include "lib/ray.cl"
 
 #define BVH8_LEAF 0x80000000u
+#define BVH8_BLOCK 80u  // words a block
 #define BVH8_STACK 352  // seven more a level, over the 48 levels that a topology has at most, and a node's eight
 
 typedef struct {
@@ -32,6 +33,12 @@ typedef union {
     uint8 all;
     uint lane[8];
 } bvh8_uints_t;
+
+// Of a block's triangles: (count − 1) << 28 | the first.
+static inline uint bvh8_range(global const float *block)
+{
+    return ((global const uint *)block)[72];
+}
 
 // Bit 0 of byte i: lane i is set.
 static inline ulong bvh8_lanes(int8 mask)

@@ -14,13 +14,13 @@ COUNT_SHIFT = 28
 
 
 class Bvh8:
-    """256 bytes a node, four lines of a cache, and 292 a block of at most eight triangles.
+    """256 bytes a node and 320 a block of at most eight triangles: four and five lines of a cache.
 
     ``nodes``: (m, 8, 8) uint32, the first six rows float32: low x, high x, low y, high y, low z, high z of the eight children; absent ones have
     boxes that no ray meets. Then the children: a node's number, or 1 << 31 | a block's; by growing area, so that the last is the likeliest to stop a
     ray. Then nothing.
-    ``blocks``: (b, 9, 8) float32: vertex 0 x, y, z, vertex 1 x, … of eight triangles; the last one fills what is left.
-    ``ranges``: (b,) uint32: (count − 1) << 28 | the first primitive of the block.
+    ``blocks``: (b, 10, 8) float32: vertex 0 x, y, z, vertex 1 x, … of eight triangles; the last one fills what is left. Then, as uint32,
+    (count − 1) << 28 | the first primitive of the block, and nothing.
     """
 
     name: ClassVar[str] = "bvh8"
@@ -50,13 +50,13 @@ class Bvh8:
         reference = np.where(present, reference, 0)
         first, count = topology.first[leaves].astype(np.int64), topology.count[leaves].astype(np.int64)
         members = first[:, None] + np.minimum(np.arange(WIDTH), count[:, None] - 1)
-        blocks = records["vertices"].reshape(-1, 9)[members]  # (b, 8, 9)
+        blocks = np.zeros((len(leaves), 10, WIDTH), np.float32)
+        blocks[:, :9] = np.moveaxis(records["vertices"].reshape(-1, 9)[members], 1, 2)
+        blocks[:, 9, 0] = ((count - 1) << COUNT_SHIFT | first).astype(np.uint32).view(np.float32)
         nodes = np.zeros((len(boxes), 8, WIDTH), np.uint32)
         nodes[:, :6] = np.ascontiguousarray(np.moveaxis(boxes, 1, 2), np.float32).view(np.uint32)
         nodes[:, 6] = reference
-        return {"nodes": nodes,
-                "blocks": np.ascontiguousarray(np.moveaxis(blocks, 1, 2), np.float32),
-                "ranges": ((count - 1) << COUNT_SHIFT | first).astype(np.uint32)}
+        return {"nodes": nodes, "blocks": blocks}
 
 
 def by_area(topology: Topology, children: np.ndarray) -> np.ndarray:

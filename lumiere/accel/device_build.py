@@ -197,10 +197,10 @@ class DeviceBuilder:
         wides = self._rank(launch, wide, n, grain)
         nodes = Output(self, (wides, 8, 8), np.uint32)
         launch("encode_bvh8", items, b["nodes"], b["ranks"], wide, shares, count, span, nodes.buffer)
-        blocks, ranges = Output(self, (tree.inner + 1, 9, 8), np.float32), Output(self, tree.inner + 1, np.uint32)
+        blocks = Output(self, (tree.inner + 1, 10, 8), np.float32)
         vertices = self._input(records["vertices"])
-        launch("blocks", items, vertices, b["ranks"], count, span, blocks.buffer, ranges.buffer)
-        return {"nodes": nodes.fetch(), "blocks": blocks.fetch(), "ranges": ranges.fetch()}
+        launch("blocks", items, vertices, b["ranks"], count, span, blocks.buffer)
+        return {"nodes": nodes.fetch(), "blocks": blocks.fetch()}
 
     def topology(self, tree: DeviceTree) -> Topology:
         """The tree as the other encoders take it."""
