@@ -29,7 +29,10 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
             while (lanes) {
                 uint lane = bvh8_first_lane(lanes);
                 lanes &= lanes - 1UL;
-                ulong entry = ((ulong)as_uint(enter.lane[lane]) << 32) | children.lane[lane];
+                uint child = children.lane[lane];
+                BVH8_PREFETCH(child & BVH8_LEAF ? SHAPE_BUFFER(blocks) + BVH8_BLOCK * (size_t)(child & ~BVH8_LEAF)
+                                                : (global const float *)SHAPE_BUFFER(nodes) + 64 * (size_t)child);
+                ulong entry = ((ulong)as_uint(enter.lane[lane]) << 32) | child;
                 uint at = size++;
                 // The nearest on top; for any hit the order does not matter.
                 for (; !any_hit && at > before && stack[at - 1u] < entry; at--)

@@ -7,6 +7,22 @@
 #define BVH8_BLOCK 80u  // words a block
 #define BVH8_STACK 352  // seven more a level, over the 48 levels that a topology has at most, and a node's eight
 
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_prefetch)
+static inline void bvh8_prefetch(global const float *words)
+{
+    __builtin_prefetch((const void *)(size_t)words, 0, 3);
+    __builtin_prefetch((const void *)(size_t)(words + 16), 0, 3);
+    __builtin_prefetch((const void *)(size_t)(words + 32), 0, 3);
+    __builtin_prefetch((const void *)(size_t)(words + 48), 0, 3);
+}
+#define BVH8_PREFETCH bvh8_prefetch
+#endif
+#endif
+#ifndef BVH8_PREFETCH
+#define BVH8_PREFETCH(words)
+#endif
+
 typedef struct {
     float3 o;
     float3 inverse_d;
