@@ -7,6 +7,14 @@
 #include "accel/bvh8_node.cl"
 #include "accel/bvh8_block.cl"
 
+// A child on the stack: its distance above its number. It is fetched, since a ray that meets it is likely to come there.
+static inline ulong SHAPE_FUNCTION(entry)(const scene_t *scene, uint child, float enter)
+{
+    BVH8_PREFETCH(child & BVH8_LEAF ? SHAPE_BUFFER(blocks) + BVH8_BLOCK * (size_t)(child & ~BVH8_LEAF)
+                                    : (global const float *)SHAPE_BUFFER(nodes) + 64 * (size_t)child);
+    return ((ulong)as_uint(enter) << 32) | child;
+}
+
 // The nearest hit before hit->t, or with any_hit an arbitrary one.
 static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *ray, hit_t *hit, const bool any_hit)
 {
@@ -26,18 +34,22 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
             children.all = *(global const uint8 *)(node + 48);  // before the boxes are tested, so that it is not waited for behind them
             bvh8_floats_t enter;
             ulong lanes = bvh8_enter(&wide, (global const float *)node, hit->t, &enter);
-            while (lanes) {
+            if (lanes) {
+                // The nearest stays at hand and the others are sorted on the stack; for any hit the order does not matter.
                 uint lane = bvh8_first_lane(lanes);
-                lanes &= lanes - 1UL;
-                uint child = children.lane[lane];
-                BVH8_PREFETCH(child & BVH8_LEAF ? SHAPE_BUFFER(blocks) + BVH8_BLOCK * (size_t)(child & ~BVH8_LEAF)
-                                                : (global const float *)SHAPE_BUFFER(nodes) + 64 * (size_t)child);
-                ulong entry = ((ulong)as_uint(enter.lane[lane]) << 32) | child;
-                uint at = size++;
-                // The nearest on top; for any hit the order does not matter.
-                for (; !any_hit && at > before && stack[at - 1u] < entry; at--)
-                    stack[at] = stack[at - 1u];
-                stack[at] = entry;
+                ulong next = SHAPE_FUNCTION(entry)(scene, children.lane[lane], enter.lane[lane]);
+                while (lanes &= lanes - 1UL) {
+                    lane = bvh8_first_lane(lanes);
+                    ulong entry = SHAPE_FUNCTION(entry)(scene, children.lane[lane], enter.lane[lane]);
+                    ulong later = any_hit || entry < next ? next : entry;
+                    next = any_hit || entry < next ? entry : next;
+                    uint at = size++;
+                    for (; !any_hit && at > before && stack[at - 1u] < later; at--)
+                        stack[at] = stack[at - 1u];
+                    stack[at] = later;
+                }
+                current = (uint)next;
+                continue;
             }
         } else {
             global const float *block = SHAPE_BUFFER(blocks) + BVH8_BLOCK * (size_t)(current & ~BVH8_LEAF);
