@@ -62,9 +62,10 @@ static inline ulong bvh8_lanes(int8 mask)
     return as_ulong(convert_char8(mask)) & 0x0101010101010101UL;
 }
 
+// Lane k times the constant has its byte 7 − k on top: k. clz would be a call on some runtimes, across which no vector stays in a register.
 static inline uint bvh8_first_lane(ulong lanes)
 {
-    return (uint)(63UL - clz(lanes & (0UL - lanes))) >> 3;
+    return (uint)((lanes & (0UL - lanes)) * 0x0001020304050607UL >> 56);
 }
 
 // Which boxes the ray meets within t_max, and where it enters them. The comparisons drop the NaN of 0 × infinity.
