@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from lumiere.accel import Accelerator
 from lumiere.accel.build import Topology, build
 from lumiere.accel.collapse import WIDTH, collapse
 
@@ -21,7 +22,7 @@ LEAST_EXPONENT, LARGEST_EXPONENT = -126, 121
 """Of the grid's step: that of the least normal number, and one with which the grid spans all finite numbers."""
 
 
-class Cwbvh:
+class Cwbvh(Accelerator):
     """80 bytes a node. The primitives of a node's leaves lie together, so ``build`` has an order of its own.
 
     ``nodes``: (m, 20) uint32, node 0 the root. Words 0 to 2: the lowest corner p, float32. Word 3, bytes: the exponents of the grid's steps along
@@ -34,7 +35,6 @@ class Cwbvh:
     """
 
     name: ClassVar[str] = "cwbvh"
-    triangles_only: ClassVar[bool] = False
 
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """A SAH topology with leaves of at most 3, whose ``order`` has the leaves of each wide node together: inner nodes are no ranges of it."""

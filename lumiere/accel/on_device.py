@@ -6,35 +6,36 @@ from typing import Any
 
 import numpy as np
 
-from lumiere.accel import Accelerator, Choice
-from lumiere.accel.build import Topology
+from lumiere.accel import Accelerated, Accelerator, Choice
 from lumiere.accel.bvh2 import MAX_PRIMITIVES, Bvh2
 from lumiere.accel.bvh8 import Bvh8
-from lumiere.accel.device_build import BYTES_PER_PRIMITIVE, DeviceBuilder, DeviceTree
+from lumiere.accel.device_build import BYTES_PER_PRIMITIVE, DeviceBuilder
+from lumiere.shape import DeviceShape
+from lumiere.shape.triangle import Triangle
 from lumiere.wavefront.policy import is_gpu
 
 FROM = 100_000
 """The device builds a tree from so many primitives on: below, numpy is done before the kept program is loaded (docs/performance.md)."""
 
 
-class OnDevice:
-    """What ``layout`` makes, built and encoded on the device of ``queue``; by ``layout`` itself where a leaf holds everything."""
+class OnDevice(Accelerator):
+    """What ``layout`` makes, built and encoded on the device of ``queue``, where it stays; by ``layout`` itself where a leaf holds everything."""
 
     def __init__(self, layout: Bvh2 | Bvh8, context: Any, queue: Any) -> None:
-        self.layout, self.name = layout, layout.name
+        self.layout, self.name = layout, layout.name  # type: ignore[misc]
         self.builder = DeviceBuilder(context, queue, layout.name, layout.max_leaf_size, layout.block)
 
-    def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology | DeviceTree:
-        """A tree of the device's, for ``encode``. Boxes as ``lumiere.accel.build.build`` takes them."""
-        if len(lower) <= self.layout.max_leaf_size:
-            return self.layout.build(lower, upper)
-        return self.builder.build(lower, upper)
-
-    def encode(self, tree: Topology | DeviceTree, records: np.ndarray) -> dict[str, np.ndarray]:
-        """The arrays that ``layout`` documents."""
-        if isinstance(tree, Topology):
-            return self.layout.encode(tree, records)
-        return self.builder.encode(tree, records)
+    def accelerate(self, shape: type[DeviceShape], records: np.ndarray, corners: np.ndarray | None = None) -> Accelerated:
+        """On the device but for ``order``, which the host gets, too."""
+        if len(records) <= self.layout.max_leaf_size:
+            return self.layout.accelerate(shape, records, corners)
+        builder = self.builder
+        given = builder.upload(records)
+        tree = builder.build_triangles(given["vertices"]) if shape is Triangle else builder.build(*shape.bounds(records))
+        ordered = builder.in_order(tree, given)
+        arrays = builder.encode(tree, ordered)
+        ordered_corners = None if corners is None else builder.in_order(tree, builder.upload(corners))
+        return Accelerated(np.asarray(tree.order), ordered, ordered_corners, {**arrays}, tree.low, tree.high)
 
 
 def on_device(choose: Choice, context: Any, queue: Any,

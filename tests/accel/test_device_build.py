@@ -9,12 +9,14 @@ import numpy as np
 import pyopencl as cl
 import pytest
 
+from lumiere.accel import Accelerated
 from lumiere.accel.build import Topology, build, half_area
 from lumiere.accel.bvh2 import Bvh2
 from lumiere.accel.bvh8 import WIDTH, Bvh8
-from lumiere.accel.device_build import DeviceTree, Grain
+from lumiere.accel.device_build import Grain
 from lumiere.accel.flat import Flat
 from lumiere.accel.on_device import FROM, OnDevice, on_device
+from lumiere.shape.triangle import Triangle
 from lumiere.wavefront.policy import is_gpu
 from tests.accel.test_build import check
 from tests.accel.test_encode import leaves_of, wide_nodes, wide_nodes_of
@@ -22,7 +24,6 @@ from tests.accel.test_traversal import assert_same_hits, mesh_triangles, rays_ar
 from tests.accel.tracer import NONE, Tracer
 from tests.contexts import context_of
 
-RECORD = np.dtype([("vertices", "<f4", (3, 3))])
 GRAINS = {"alone": Grain(group=1, chunk=500, small=100, span=64), "groups": Grain(group=64, chunk=512, small=32, span=32), "own": None}
 LAYOUTS = [Bvh2(), Bvh8()]
 
@@ -34,7 +35,17 @@ def accelerator(device: cl.Device, layout: Bvh2 | Bvh8, grain: str) -> OnDevice:
     context = context_of(device)
     made = OnDevice(layout, context, cl.CommandQueue(context))
     made.builder.grain = GRAINS[grain]
+    made.builder.shares_memory = False if grain == "groups" else None
     return made
+
+
+def accelerated(device: cl.Device, layout: Bvh2 | Bvh8, grain: str, triangles: np.ndarray) -> tuple[Accelerated, Topology, np.ndarray]:
+    """What the device made of triangles (n, 3, 3); the tree that it is of, as numpy's encoders take it; and records in the tree's order."""
+    made = accelerator(device, layout, grain)
+    records = np.zeros(len(triangles), Triangle.record)
+    records["vertices"] = triangles
+    tree = made.builder.build(*Triangle.bounds(records))
+    return made.accelerate(Triangle, records), made.builder.topology(tree), records[np.asarray(tree.order)]
 
 
 def cost(topology: Topology, block: int) -> float:
@@ -77,10 +88,10 @@ def test_as_good_as_numpys_and_always_the_same(device: cl.Device, layout: Bvh2 |
     lower, upper, compared = BOX_SETS[name]
     built = []
     for grain in [*GRAINS, "groups", "own"]:
-        accelerated = accelerator(device, layout, grain)
-        tree = accelerated.build(lower, upper)
-        assert isinstance(tree, DeviceTree)
-        built.append(accelerated.builder.topology(tree))
+        builder = accelerator(device, layout, grain).builder
+        tree = builder.build(lower, upper)
+        assert np.array_equal(tree.low, lower.min(axis=0)) and np.array_equal(tree.high, upper.max(axis=0))
+        built.append(builder.topology(tree))
         assert np.array_equal(built[-1].order, built[0].order)
         assert cost(built[-1], layout.block) == pytest.approx(cost(built[0], layout.block), rel=1e-6)
     check(built[0], lower, upper, layout.max_leaf_size)
@@ -99,10 +110,9 @@ def scattered(n: int) -> np.ndarray:
 @pytest.mark.parametrize("grain", GRAINS)
 @pytest.mark.parametrize("n", [9, 100, 20_000])
 def test_bvh2_as_numpy_encodes_it(device: cl.Device, grain: str, n: int) -> None:
-    triangles = scattered(n)
-    made = accelerator(device, LAYOUTS[0], grain)
-    tree = made.build(triangles.min(axis=1), triangles.max(axis=1))
-    arrays, expected = made.encode(tree, np.zeros(n, RECORD)), Bvh2().encode(made.builder.topology(tree), np.zeros(0))
+    made, topology, records = accelerated(device, LAYOUTS[0], grain, scattered(n))
+    assert np.array_equal(made.order, topology.order) and np.array_equal(np.asarray(made.records), records)
+    arrays, expected = {name: np.asarray(array) for name, array in made.arrays.items()}, Bvh2().encode(topology, np.zeros(0))
     assert {name: (a.dtype, a.shape) for name, a in arrays.items()} == {name: (a.dtype, a.shape) for name, a in expected.items()}
     assert all(np.array_equal(arrays[name], expected[name]) for name in expected)
     assert sum(count for _, count, _ in leaves_of(arrays)) == n
@@ -112,13 +122,8 @@ def test_bvh2_as_numpy_encodes_it(device: cl.Device, grain: str, n: int) -> None
 @pytest.mark.parametrize("n", [9, 100, 20_000])
 def test_bvh8_is_as_good_as_numpys(device: cl.Device, grain: str, n: int) -> None:
     """The same blocks, and wide nodes of the same area in all; their numbers are another walk's."""
-    triangles = scattered(n)
-    made = accelerator(device, LAYOUTS[1], grain)
-    tree = made.build(triangles.min(axis=1), triangles.max(axis=1))
-    records = np.zeros(n, RECORD)
-    records["vertices"] = triangles[tree.order]
-    topology = made.builder.topology(tree)
-    arrays, expected = made.encode(tree, records), Bvh8().encode(topology, records)
+    made, topology, records = accelerated(device, LAYOUTS[1], grain, scattered(n))
+    arrays, expected = {name: np.asarray(array) for name, array in made.arrays.items()}, Bvh8().encode(topology, records)
     assert {name: (a.dtype, a.shape[1:]) for name, a in arrays.items()} == {name: (a.dtype, a.shape[1:]) for name, a in expected.items()}
     places = [np.argsort(a["ranges"] & (1 << 28) - 1) for a in (arrays, expected)]
     assert np.array_equal(places[0], np.arange(len(places[0]))), "blocks lie in the order of their triangles"
@@ -151,9 +156,8 @@ def test_rays_meet_what_they_meet_in_a_list(device: cl.Device, layout: Bvh2 | Bv
 def test_a_handful_is_left_to_numpy(device: cl.Device) -> None:
     context = context_of(device)
     made = OnDevice(Bvh8(), context, cl.CommandQueue(context))
-    triangles = scattered(8)
-    tree = made.build(triangles.min(axis=1), triangles.max(axis=1))
-    assert isinstance(tree, Topology) and len(made.encode(tree, np.zeros(8, RECORD))["blocks"]) == 1
+    arrays = made.accelerate(Triangle, np.zeros(8, Triangle.record)).arrays
+    assert isinstance(arrays["blocks"], np.ndarray) and len(arrays["blocks"]) == 1
 
 
 def test_who_builds(device: cl.Device) -> None:
@@ -191,5 +195,5 @@ def test_numpys_builder_is_not_called(device: cl.Device, monkeypatch: pytest.Mon
 def test_numpy_and_device_agree_on_who_is_where(device: cl.Device) -> None:
     """With blocks no rounding decides: the order of the primitives is numpy's."""
     lower = np.random.default_rng(3).random((20_000, 3)).astype(np.float32)
-    tree = accelerator(device, LAYOUTS[1], "own").build(lower, lower + np.float32(0.01))
-    assert np.array_equal(tree.order, build(lower, lower + np.float32(0.01), WIDTH, block=WIDTH).order)
+    tree = accelerator(device, LAYOUTS[1], "own").builder.build(lower, lower + np.float32(0.01))
+    assert np.array_equal(np.asarray(tree.order), build(lower, lower + np.float32(0.01), WIDTH, block=WIDTH).order)
