@@ -108,6 +108,8 @@ class DeviceBuilder:
         prelude = "".join(f"#define {name} {value}u\n" for name, value in macros.items())
         # Intel's compiler else vectorises across work-items, which takes subtrees in lockstep.
         prelude += f"#define KERNEL {'__attribute__((vec_type_hint(float8))) ' if group == 1 else ''}kernel\n"
+        # A GPU's compiler may unroll the loops over bins and axes, within one another: its time grows with that, and the arrays are in memory either way.
+        prelude += "#define ROLLED\n" if group == 1 else '#define ROLLED _Pragma("unroll 1")\n'
         prelude += "".join(c_struct(name, dtype) for name, dtype in STRUCTS.items())
         files = ["boxes", "bin", "choose", "partition", "subtrees", "scan", "gather", f"encode_{self.layout}"]
         files += ["collapse", "blocks"] if self.layout == "bvh8" else []

@@ -14,8 +14,12 @@ from lumiere.shape import DeviceShape
 from lumiere.shape.triangle import Triangle
 from lumiere.wavefront.policy import is_gpu
 
-FROM = 100_000
-"""The device builds a tree from so many primitives on: below, numpy is done before the kept program is loaded (docs/performance.md)."""
+FROM_ON_CPU = 100_000
+"""A CPU builds a tree from so many primitives on: below, numpy is done before the kept program is loaded (docs/performance.md)."""
+
+FROM_ON_GPU = 50_000
+"""A GPU does from so many on: numpy takes 7 µs each, so that ten renders have paid for the four seconds in which NVIDIA's compiler makes the program,
+once a machine and driver; with the program kept, a build of so many is over in milliseconds."""
 
 
 class OnDevice(Accelerator):
@@ -38,17 +42,16 @@ class OnDevice(Accelerator):
         return Accelerated(np.asarray(tree.order), ordered, ordered_corners, {**arrays}, tree.low, tree.high)
 
 
-def on_device(choose: Choice, context: Any, queue: Any,
-              wanted: bool | None = None) -> Choice:
-    """``choose``, but that the device builds what it chooses: where ``wanted`` is None, CPUs from ``FROM`` primitives on (on GPUs it has yet to be
-    measured)."""
+def on_device(choose: Choice, context: Any, queue: Any, wanted: bool | None = None) -> Choice:
+    """``choose``, but that the device builds what it chooses: where ``wanted`` is None, from ``FROM_ON_CPU`` or ``FROM_ON_GPU`` primitives on."""
     device = queue.device
+    least = FROM_ON_GPU if is_gpu(device) else FROM_ON_CPU
 
     def choose_here(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelerator:
         accelerator = choose(shape, n_primitives, bounded, wide)
         need = BYTES_PER_PRIMITIVE * n_primitives
-        fits = n_primitives < MAX_PRIMITIVES and need < device.global_mem_size // 2 and need // 2 < device.max_mem_alloc_size
-        on = n_primitives >= FROM and not is_gpu(device) if wanted is None else wanted
+        fits = n_primitives < MAX_PRIMITIVES and need < device.global_mem_size // 2 and need // 4 < device.max_mem_alloc_size
+        on = n_primitives >= least if wanted is None else wanted
         if isinstance(accelerator, (Bvh2, Bvh8)) and fits and on:
             return OnDevice(accelerator, context, queue)
         return accelerator

@@ -78,11 +78,11 @@ def group_shapes(objects: list[Object], keep: tuple[str, ...], wide: bool,
             by_shape.setdefault(item.primitives.device_shape, []).append(number)
     for device_shape in sorted(by_shape, key=lambda s: (not s.bounded, s.name != "triangle", s.name)):
         members = by_shape[device_shape]
-        records = np.concatenate([objects[i].primitives.records for i in members])
-        owners = np.concatenate([np.full(len(objects[i].primitives.records), i, dtype=np.uint32) for i in members])
+        records = joined([objects[i].primitives.records for i in members])
+        owners = joined([np.full(len(objects[i].primitives.records), i, dtype=np.uint32) for i in members])
         corners = None
         if device_shape.name == "triangle" and any(_carries(objects[i].primitives, keep) for i in members):
-            corners = np.concatenate([vertices.add(_only(objects[i].primitives, keep)) for i in members])
+            corners = joined([vertices.add(_only(objects[i].primitives, keep)) for i in members])
         accelerator = choose_accelerator(device_shape.name, len(records), device_shape.bounded, wide)
         if not device_shape.bounded:
             groups.append(ShapeGroup(device_shape, records, owners, records, np.arange(len(records)), accelerator.name))
@@ -91,6 +91,11 @@ def group_shapes(objects: list[Object], keep: tuple[str, ...], wide: bool,
         owners = owners.take(made.order) if len(members) > 1 else owners
         groups.append(ShapeGroup(device_shape, made.records, owners, records, made.order, accelerator.name, made.arrays, made.corners, (made.low, made.high)))
     return groups, vertices
+
+
+def joined(parts: list[np.ndarray]) -> np.ndarray:
+    """The parts one after the other; a lone one as it is, not a copy."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _carries(primitives: Primitives, keep: tuple[str, ...]) -> bool:

@@ -16,7 +16,7 @@ from lumiere.bsdf.mix import Mix
 from lumiere.camera import Camera
 from lumiere.camera.perspective import Perspective
 from lumiere.compile.features import Features
-from lumiere.compile.geometry import Object, ShapeGroup, Vertices, group_shapes
+from lumiere.compile.geometry import Object, ShapeGroup, Vertices, group_shapes, joined
 from lumiere.compile.lights import LightTable, light_table, mean_emission
 from lumiere.compile.materials import NO_TEXTURE, MaterialTable
 from lumiere.compile.mix import Row, rows_of
@@ -303,7 +303,7 @@ def _add_geometry(buffers: SceneBuffers, groups: list[ShapeGroup], vertices: Ver
         if getattr(buffers.features, feature):
             buffers.add(name, "float", np.concatenate(parts).astype(np.float32))
     if groups:
-        buffers.add("primitive_objects", "uint", np.concatenate([group.objects for group in groups]))
+        buffers.add("primitive_objects", "uint", joined([group.objects for group in groups]))
 
 
 def _translucent(material: Material) -> bool:

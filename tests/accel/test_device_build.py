@@ -15,7 +15,7 @@ from lumiere.accel.bvh2 import Bvh2
 from lumiere.accel.bvh8 import WIDTH, Bvh8
 from lumiere.accel.device_build import Grain
 from lumiere.accel.flat import Flat
-from lumiere.accel.on_device import FROM, OnDevice, on_device
+from lumiere.accel.on_device import FROM_ON_CPU, FROM_ON_GPU, OnDevice, on_device
 from lumiere.shape.triangle import Triangle
 from lumiere.wavefront.policy import is_gpu
 from tests.accel.test_build import check
@@ -162,34 +162,40 @@ def test_a_handful_is_left_to_numpy(device: cl.Device) -> None:
 
 def test_who_builds(device: cl.Device) -> None:
     context = context_of(device)
-    queue = cl.CommandQueue(context)
+    queue, least = cl.CommandQueue(context), FROM_ON_GPU if is_gpu(device) else FROM_ON_CPU
 
     def builds(n: int, wanted: bool | None = None) -> bool:
         return isinstance(on_device(lambda *_: Bvh2(), context, queue, wanted)("triangle", n, True, False), OnDevice)
 
-    assert (builds(FROM - 1), builds(FROM), builds(10, True), builds(FROM, False), builds(1 << 28)) == (False, True, True, False, False)
-    assert isinstance(on_device(lambda *_: Flat(), context, queue, True)("plane", FROM, False, False), Flat)
+    assert (builds(least - 1), builds(least), builds(10, True), builds(least, False), builds(1 << 28)) == (False, True, True, False, False)
+    assert isinstance(on_device(lambda *_: Flat(), context, queue, True)("plane", least, False, False), Flat)
 
 
 def test_numpys_builder_is_not_called(device: cl.Device, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nor does a picture change by who builds the tree."""
+    """Nor does a picture change by who builds the tree: with corners, several objects that shine and another shape."""
     import lumiere
     from lumiere.overrides import Overrides
     from lumiere.rendering import Render
 
     triangles = scattered(500) * 2.0 - 1.0
     mesh = {"type": "mesh", "vertices": triangles.reshape(-1, 3).tolist(), "faces": np.arange(1500).reshape(-1, 3).tolist()}
-    scene = lumiere.load({"scene": {"camera": {"position": [0, 0, 4]}, "film": {"width": 16, "height": 16}, "sampler": {"spp": 2}, "geometry": [mesh],
-                                    "lights": [{"type": "environment", "radiance": 1.0}]}})
-    pictures = []
+    smooth = mesh | {"normals": np.random.default_rng(5).normal(size=(1500, 3)).tolist(), "transform": [{"translate": [0.3, 0, 0.5]}], "emission": 0.5}
+    balls = [{"type": "sphere", "position": [x, 1.2, 0], "radius": 0.1, "emission": 1.0 + x} for x in np.linspace(-1, 1, 12).tolist()]
+    scene = lumiere.load({"scene": {"camera": {"position": [0, 0, 4]}, "film": {"width": 16, "height": 16, "aovs": ["normal", "object_id"]},
+                                    "sampler": {"spp": 2}, "geometry": [mesh, smooth, *balls], "lights": [{"type": "environment", "radiance": 1.0}]}})
+    pictures: list[np.ndarray] = []
+    arrays: list[dict[str, np.ndarray]] = []
     for wanted in (False, True):
         if wanted:
             monkeypatch.setattr("lumiere.accel.bvh2.build", None)
             monkeypatch.setattr("lumiere.accel.bvh8.build", None)
         job = Render(scene, device.name.strip(), overrides=Overrides(build_on_device=wanted))
         job.run()
-        pictures.append(job.image({}).pixels)
+        image = job.image({})
+        pictures.append(np.concatenate([image.pixels, image.aovs["normal"], image.aovs["object_id"][..., None]], axis=-1))
+        arrays.append({name: np.asarray(array) for name, (_, array) in job.wavefront.buffers.arrays.items()})
     assert np.array_equal(*pictures) and pictures[0].std() > 0.01
+    assert {name: (a.dtype, a.shape[1:]) for name, a in arrays[0].items()} == {name: (a.dtype, a.shape[1:]) for name, a in arrays[1].items()}
 
 
 def test_numpy_and_device_agree_on_who_is_where(device: cl.Device) -> None:

@@ -38,10 +38,10 @@ KERNEL void choose(global counters_t *counters, const uint level, global const o
     float8 box = box_of_keys(bounds + 12u * node.bounds);
     float scale = box_unit_scale(box);
     split_t split = {INFINITY, 0u, NO_PLANE};
-    for (uint axis = 0u; axis < 3u; axis++) {
+    ROLLED for (uint axis = 0u; axis < 3u; axis++) {
         float8 boxes[BINS];
         uint counts[BINS];
-        for (uint b = 0u; b < BINS; b++) {
+        ROLLED for (uint b = 0u; b < BINS; b++) {
             size_t at = 3u * BINS * (size_t)i + axis * BINS + b;
             counts[b] = histogram_counts[at];
             boxes[b] = counts[b] ? box_of_keys(histogram_boxes + 6u * at) : box_nothing();
