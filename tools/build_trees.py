@@ -1,6 +1,6 @@
 """How long the device takes to build and encode a tree, beside numpy, and what comes out.
 
-    python tools/build_trees.py [--device D] [--faces 20480] [--spheres 50] [--layouts bvh8 bvh2] [--runs 5] [--kernels] [--grain GROUP CHUNK SMALL SPAN]
+    python tools/build_trees.py [--device D] [--faces 20480] [--spheres 50] [--layouts bvh8 bvh2 cwbvh] [--runs 5] [--kernels] [--grain GROUP CHUNK SMALL SPAN]
 
 over the benchmark's mesh (tools/benchmark_scene.py): from vertices in the host's memory until all that a render's kernels read is on the device and the
 host has the order of the primitives; then the same with a wait after each part. "First" is with the program from its cache, or built where there is none.
@@ -20,8 +20,10 @@ from benchmark_scene import displaced_spheres
 from lumiere.accel.build import Topology, half_area
 from lumiere.accel.bvh2 import Bvh2
 from lumiere.accel.bvh8 import Bvh8
+from lumiere.accel.cwbvh import Cwbvh
 from lumiere.accel.device_build import DeviceBuilder, DeviceTree, Grain
-from lumiere.accel.on_device import OnDevice
+from lumiere.accel.device_encode import encode
+from lumiere.accel.on_device import DeviceLayout, OnDevice
 from lumiere.device.select import choose
 from lumiere.shape.triangle import Triangle
 
@@ -46,8 +48,10 @@ def cost(topology: Topology, block: int) -> float:
 
 def fill(layout: str, arrays: dict[str, np.ndarray], count: int) -> str:
     """Shares of the places for children and triangles that are taken."""
-    if layout != "bvh8":
+    if layout == "bvh2":
         return "nodes 100 %"
+    if layout == "cwbvh":
+        return f"nodes {np.count_nonzero(arrays['nodes'][:, 6:8].copy().view(np.uint8)) / (8 * len(arrays['nodes'])):.0%}"
     present = np.isfinite(arrays["nodes"][:, 0].view(np.float32)).mean()
     return f"nodes {present:.0%}, blocks {count / 8 / len(arrays['blocks']):.0%}"
 
@@ -81,15 +85,14 @@ def parts(builder: DeviceBuilder, records: np.ndarray) -> tuple[list[float], Dev
     wait()
     tree = builder.build_triangles(given["vertices"])
     wait()
-    kept = builder.encode(tree, builder.in_order(tree, given))
+    encoded = encode(builder, tree, given)
     wait()
-    np.asarray(tree.order)
+    np.asarray(encoded.order)
     wait()
-    del kept
     return np.diff(moments).tolist(), tree
 
 
-def measure(layout: Bvh2 | Bvh8, context: Any, queue: Any, records: np.ndarray, arguments: argparse.Namespace) -> None:
+def measure(layout: DeviceLayout, context: Any, queue: Any, records: np.ndarray, arguments: argparse.Namespace) -> None:
     """Prints the rows of one layout."""
     accelerator = OnDevice(layout, context, queue)
     builder = accelerator.builder
@@ -125,7 +128,7 @@ def main() -> None:
     parser.add_argument("--device")
     parser.add_argument("--faces", type=int, default=20480, help="of a sphere: 20, 80, 320, … 20480")
     parser.add_argument("--spheres", type=int, default=50)
-    parser.add_argument("--layouts", nargs="+", choices=("bvh8", "bvh2"), default=("bvh8", "bvh2"))
+    parser.add_argument("--layouts", nargs="+", choices=("bvh8", "bvh2", "cwbvh"), default=("bvh8", "bvh2", "cwbvh"))
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--kernels", action="store_true")
     parser.add_argument("--grain", type=int, nargs=4, metavar=("GROUP", "CHUNK", "SMALL", "SPAN"), help="as lumiere.accel.device_build.Grain")
@@ -137,7 +140,7 @@ def main() -> None:
     print(f"{device.platform.version.strip()}, {device.name.strip()}")
     context = cl.Context([device])
     queue = cl.CommandQueue(context, device, cl.command_queue_properties.PROFILING_ENABLE)
-    for layout in (Bvh8(), Bvh2()):
+    for layout in (Bvh8(), Bvh2(), Cwbvh()):
         if layout.name in arguments.layouts:
             measure(layout, context, queue, records, arguments)
 

@@ -27,11 +27,13 @@ OPEN = np.dtype([(name, "<u4") for name in ("slot", "first", "count", "turns", "
 CHUNK = np.dtype([(name, "<u4") for name in ("node", "first", "count", "left")])
 PLANE = np.dtype([(name, "<u4") for name in ("axis", "last", "middle")])
 SUBTREE = np.dtype([(name, "<u4") for name in ("slot", "first", "count", "turns", "level")])
-COUNTERS = np.dtype([("subtrees", "<u4"), ("open", "<u4", MAX_DEPTH + LOOK_EVERY + 1), ("chunks", "<u4", MAX_DEPTH + LOOK_EVERY + 1)])
-"""Subtrees, and by level large nodes and their chunks."""
+COUNTERS = np.dtype([("room", "<u4"), ("subtrees", "<u4"), ("open", "<u4", MAX_DEPTH + LOOK_EVERY + 1), ("chunks", "<u4", MAX_DEPTH + LOOK_EVERY + 1)])
+"""For how many large nodes of a level there is room; how many subtrees there are; and by level how many large nodes and chunks of them."""
+FILES = {"bvh2": ["encode_bvh2"], "bvh8": ["collapse", "encode_bvh8", "blocks"], "cwbvh": ["collapse", "arrange_cwbvh", "encode_cwbvh"]}
+"""Of ``cl/accel/build``, those that encode a layout."""
 STRUCTS = {"build_node_t": NODE, "open_t": OPEN, "chunk_t": CHUNK, "plane_t": PLANE, "subtree_t": SUBTREE, "counters_t": COUNTERS}
 
-BYTES_PER_PRIMITIVE = 260
+BYTES_PER_PRIMITIVE = 280
 """Of device memory, at most, while a tree is built and encoded."""
 
 
@@ -44,6 +46,11 @@ class Grain:
     chunk: int
     small: int
     span: int
+
+    @property
+    def rows(self) -> int:
+        """Rows that one work-item writes, where each is more work than a place of the order."""
+        return self.span if self.group == 1 else 1
 
 
 def grain_for(device: Any, count: int) -> Grain:
@@ -60,7 +67,8 @@ def grain_for(device: Any, count: int) -> Grain:
 class DeviceTree:
     """A tree on a device. ``order``: (n,) uint32, the primitives in leaf order; ``low``, ``high``: (3,) float32, the root's box, on the host.
 
-    Its buffers are as ``cl/accel/build/tree.cl`` says; ``ranks``: (n,) uint32, how many inner nodes split the order at or before each place.
+    Its buffers are as ``cl/accel/build/tree.cl`` says; ``ranks``: (n,) uint32, how many inner nodes split the order at or before each place;
+    ``planes`` and ``counters`` tell the large nodes of each level, of which there are ``large``.
     """
 
     order: DeviceArray
@@ -68,6 +76,7 @@ class DeviceTree:
     grain: Grain
     buffers: dict[str, Any]
     subtrees: int
+    large: list[int]
     low: np.ndarray
     high: np.ndarray
 
@@ -93,7 +102,7 @@ class DeviceBuilder:
             self._kernels[key] = {kernel.function_name: kernel for kernel in program.all_kernels()}
         return self._kernels[key]
 
-    def _launcher(self, grain: Grain) -> Callable[..., Any]:
+    def launcher(self, grain: Grain) -> Callable[..., Any]:
         """Launches a kernel, by name, for so many independent work-items. Always in groups of one size: PoCL compiles a kernel anew for each."""
         run, size = self.program(grain), min(grain.group, 64)
 
@@ -111,8 +120,7 @@ class DeviceBuilder:
         # A GPU's compiler may unroll the loops over bins and axes, within one another: its time grows with that, and the arrays are in memory either way.
         prelude += "#define ROLLED\n" if group == 1 else '#define ROLLED _Pragma("unroll 1")\n'
         prelude += "".join(c_struct(name, dtype) for name, dtype in STRUCTS.items())
-        files = ["boxes", "bin", "choose", "partition", "subtrees", "scan", "gather", f"encode_{self.layout}"]
-        files += ["collapse", "blocks"] if self.layout == "bvh8" else []
+        files = ["boxes", "bin", "choose", "partition", "subtrees", "scan", "gather", *FILES[self.layout]]
         text = "".join(f'#include "accel/build/{name}.cl"\n' for name in files)
         return ProgramSource(f"build[{self.layout}]", assemble("build.cl", prelude, {"build.cl": text}))
 
@@ -130,41 +138,44 @@ class DeviceBuilder:
 
         n = len(sources[0])
         grain = self.grain or grain_for(self.queue.device, n)
-        launch, allocate = self._launcher(grain), self._allocate
-        primitives, nodes, order = (allocate(32 * n), allocate(32 * n)), allocate(2 * NODE.itemsize * n), self._array(n, np.uint32)
+        launch, allocate = self.launcher(grain), self.allocate
+        primitives, nodes, order = (allocate(32 * n), allocate(32 * n)), allocate(2 * NODE.itemsize * n), self.array(n, np.uint32)
         turns, marks, subtrees = allocate(n + 4, 0), allocate(4 * n, 0), allocate(SUBTREE.itemsize * n)
         most_open = n // grain.small + 1
         # Of either side of a level's nodes. The root is in place of the left one of a level before the first.
         bounds = allocate(4 * 24 * most_open), allocate(4 * 24 * most_open)
         cl.enqueue_fill_buffer(self.queue, bounds[1], np.uint32(0xFFFFFFFF), 0, 4 * 12)
         launch(boxes, -(-n // grain.span), *(source.buffer for source in sources), np.uint32(n), np.uint32(grain.span), primitives[0], bounds[1])
+        planes, counters = allocate(PLANE.itemsize * most_open * (MAX_DEPTH + LOOK_EVERY)), allocate(COUNTERS.itemsize)
         if n > grain.small:
-            subtree_count = self._split_large(n, grain, primitives, bounds, nodes, turns, marks, subtrees)
+            counts = self._split_large(n, grain, primitives, bounds, nodes, turns, marks, planes, subtrees, counters)
         else:
-            subtree_count = 1
+            counts = np.zeros(1, COUNTERS)
+            counts["subtrees"] = 1
             cl.enqueue_copy(self.queue, subtrees, np.array([(0, 0, n, 0, 0)], SUBTREE))
+        subtree_count, large = int(counts["subtrees"][0]), counts["open"][0].tolist()
         launch("subtrees", subtree_count, subtrees, np.uint32(subtree_count), *primitives, nodes, turns, marks, order.buffer)
-        inner = self._rank(launch, marks, n, grain)
+        inner = self.rank(marks, n, grain)
         root = np.zeros(1, NODE)
         cl.enqueue_copy(self.queue, root, nodes)
-        buffers = {"nodes": nodes, "turns": turns, "ranks": marks, "subtrees": subtrees, "kept": primitives[0]}
-        return DeviceTree(order, inner, grain, buffers, subtree_count, root["low"][0], root["high"][0])
+        buffers = {"nodes": nodes, "turns": turns, "ranks": marks, "subtrees": subtrees, "kept": primitives[0], "planes": planes, "counters": counters}
+        return DeviceTree(order, inner, grain, buffers, subtree_count, large[: large.index(0)], root["low"][0], root["high"][0])
 
     def _split_large(self, n: int, grain: Grain, primitives: tuple[Any, Any], bounds: tuple[Any, Any], nodes: Any, turns: Any, marks: Any,
-                     subtrees: Any) -> int:
-        """Splits all nodes of more than ``grain.small`` primitives; returns how many subtrees are left. The host waits for as few levels as it can:
-        kernels see for themselves how many nodes a level has."""
+                     planes: Any, subtrees: Any, counters: Any) -> np.ndarray:
+        """Splits all nodes of more than ``grain.small`` primitives; returns the counters. The host waits for as few levels as it can: kernels see for
+        themselves how many nodes a level has."""
         import pyopencl as cl
 
-        run, launch, allocate = self.program(grain), self._launcher(grain), self._allocate
+        run, launch, allocate = self.program(grain), self.launcher(grain), self.allocate
         most_open, most_chunks = n // grain.small + 1, n // grain.chunk + n // grain.small + 2
         opens, chunks = ([allocate(dtype.itemsize * most) for _ in range(2)] for dtype, most in ((OPEN, most_open), (CHUNK, most_chunks)))
         histograms = allocate(4 * 6 * 3 * BINS * most_open, 0xFFFFFFFF), allocate(4 * 3 * BINS * most_open, 0)
-        chunk_counts, planes, counters = allocate(4 * 3 * BINS * most_chunks), allocate(PLANE.itemsize * most_open), allocate(COUNTERS.itemsize)
+        chunk_counts = allocate(4 * 3 * BINS * most_chunks)
         first = np.arange(0, n, grain.chunk, dtype=np.uint32)
         rows, counts = np.zeros(len(first), CHUNK), np.zeros(1, COUNTERS)
         rows["first"], rows["count"] = first, np.minimum(grain.chunk, n - first)
-        counts["open"][0, 0], counts["chunks"][0, 0] = 1, len(rows)
+        counts["room"], counts["open"][0, 0], counts["chunks"][0, 0] = most_open, 1, len(rows)
         cl.enqueue_copy(self.queue, chunks[0], rows)
         cl.enqueue_copy(self.queue, opens[0], np.array([(0, 0, n, 0, 0, 0)], OPEN))
         cl.enqueue_copy(self.queue, counters, counts)
@@ -185,49 +196,20 @@ class DeviceBuilder:
             run["partition"](self.queue, groups, group, *at, opens[now], chunks[now], planes, primitives[now], bounds[then], primitives[then],
                              bounds[now], *histograms)
             largest, most = -(-largest // 2), min(2 * most, most_open)
-        return int(counts["subtrees"][0])
+        return counts
 
-    def _rank(self, launch: Callable[..., Any], marks: Any, count: int, grain: Grain) -> int:
-        """Turns marks into ranks; returns how many marks there are."""
+    def rank(self, marks: Any, count: int, grain: Grain) -> int:
+        """Turns ``count`` marks, 0, 1 or more, into sums up to and with each; returns the sum of all."""
         import pyopencl as cl
 
-        items = -(-count // grain.span)
-        sums, sums_d = np.zeros(items, np.uint32), self._allocate(4 * items)
+        launch, items = self.launcher(grain), -(-count // grain.span)
+        sums, sums_d = np.zeros(items, np.uint32), self.allocate(4 * items)
         launch("count_marks", items, marks, np.uint32(count), np.uint32(grain.span), sums_d)
         cl.enqueue_copy(self.queue, sums, sums_d)
         before = np.cumsum(sums, dtype=np.uint32) - sums
         cl.enqueue_copy(self.queue, sums_d, before)
         launch("rank_marks", items, marks, np.uint32(count), np.uint32(grain.span), sums_d)
         return int(sums.sum())
-
-    def encode(self, tree: DeviceTree, records: DeviceArray) -> dict[str, DeviceArray]:
-        """The layout's arrays, for ``records`` in leaf order."""
-        return self._encode_bvh8(tree, records) if self.layout == "bvh8" else self._encode_bvh2(tree)
-
-    def _encode_bvh2(self, tree: DeviceTree) -> dict[str, DeviceArray]:
-        """What ``Bvh2.encode`` makes."""
-        n, grain, b = len(tree.order), tree.grain, tree.buffers
-        nodes, children = self._array((tree.inner, 12), np.float32), self._array((tree.inner, 2), np.uint32)
-        self._launcher(grain)("encode_bvh2", -(-n // grain.span), b["nodes"], b["turns"], b["ranks"], np.uint32(n), np.uint32(grain.span),
-                              nodes.buffer, children.buffer)
-        return {"nodes": nodes, "children": children}
-
-    def _encode_bvh8(self, tree: DeviceTree, records: DeviceArray) -> dict[str, DeviceArray]:
-        """What ``Bvh8.encode`` makes, but for the order of nodes and blocks."""
-        n, grain, b = len(tree.order), tree.grain, tree.buffers
-        run, launch, queue = self.program(grain), self._launcher(grain), self.queue
-        count, span, small, items = np.uint32(n), np.uint32(grain.span), np.uint32(grain.small), -(-n // grain.span)
-        shares, wide, roots = self._allocate(4 * n), self._allocate(4 * n, 0), np.uint32(tree.subtrees)
-        launch("weigh_subtrees", tree.subtrees, b["subtrees"], roots, b["nodes"], b["kept"], shares)
-        run["weigh_top"](queue, (1,), (1,), count, small, b["nodes"], b["kept"], shares)
-        run["widen_top"](queue, (1,), (1,), count, small, b["nodes"], b["kept"], shares, wide)
-        launch("widen_subtrees", tree.subtrees, b["subtrees"], roots, b["nodes"], b["kept"], shares, wide)
-        wides = self._rank(launch, wide, n, grain)
-        nodes = self._array((wides, 8, 8), np.uint32)
-        launch("encode_bvh8", items, b["nodes"], b["ranks"], wide, shares, count, span, nodes.buffer)
-        blocks, ranges = self._array((tree.inner + 1, 9, 8), np.float32), self._array(tree.inner + 1, np.uint32)
-        launch("blocks", items, records.buffer, b["ranks"], count, span, blocks.buffer, ranges.buffer)
-        return {"nodes": nodes, "blocks": blocks, "ranges": ranges}
 
     def topology(self, tree: DeviceTree) -> Topology:
         """The tree as the other encoders take it."""
@@ -258,12 +240,12 @@ class DeviceBuilder:
         return Topology(lower=rows["low"].copy(), upper=rows["high"].copy(), left=left.astype(np.int32), first=first.astype(np.uint32),
                         count=count.astype(np.uint32), order=np.asarray(tree.order), depth=len(levels) - 1)
 
-    def in_order(self, tree: DeviceTree, records: DeviceArray) -> DeviceArray:
-        """The primitives' ``records`` (n, …), of 4-byte words, in leaf order."""
-        n, span = len(tree.order), tree.grain.span if tree.grain.group == 1 else 1
-        ordered = self._array(records.shape, records.dtype)
-        self._launcher(tree.grain)("gather", -(-n // span), records.buffer, tree.order.buffer, np.uint32(records.nbytes // (4 * n)), np.uint32(n),
-                                   np.uint32(span), ordered.buffer)
+    def gather(self, grain: Grain, order: DeviceArray, records: DeviceArray) -> DeviceArray:
+        """The ``records`` (n, …), of 4-byte words, in ``order``."""
+        n = len(order)
+        ordered = self.array(records.shape, records.dtype)
+        self.launcher(grain)("gather", -(-n // grain.rows), records.buffer, order.buffer, np.uint32(records.nbytes // (4 * n)), np.uint32(n),
+                             np.uint32(grain.rows), ordered.buffer)
         return ordered
 
     def upload(self, array: np.ndarray) -> DeviceArray:
@@ -275,16 +257,16 @@ class DeviceBuilder:
         if shares:
             buffer = cl.Buffer(self.context, cl.mem_flags.READ_ONLY | cl.mem_flags.USE_HOST_PTR, hostbuf=array)
         else:
-            buffer = self._allocate(array.nbytes)
+            buffer = self.allocate(array.nbytes)
             cl.enqueue_copy(self.queue, buffer, array)
         return DeviceArray(self.queue, buffer, array.shape, array.dtype)
 
-    def _array(self, shape: int | tuple[int, ...], dtype: Any) -> DeviceArray:
+    def array(self, shape: int | tuple[int, ...], dtype: Any) -> DeviceArray:
         """An array for kernels to write."""
         shape = (shape,) if isinstance(shape, int) else shape
-        return DeviceArray(self.queue, self._allocate(int(np.prod(shape)) * np.dtype(dtype).itemsize), shape, dtype)
+        return DeviceArray(self.queue, self.allocate(int(np.prod(shape)) * np.dtype(dtype).itemsize), shape, dtype)
 
-    def _allocate(self, size: int, word: int | None = None) -> Any:
+    def allocate(self, size: int, word: int | None = None) -> Any:
         """A buffer, filled with ``word`` where one is given."""
         import pyopencl as cl
 

@@ -9,7 +9,9 @@ import numpy as np
 from lumiere.accel import Accelerated, Accelerator, Choice
 from lumiere.accel.bvh2 import MAX_PRIMITIVES, Bvh2
 from lumiere.accel.bvh8 import Bvh8
+from lumiere.accel.cwbvh import Cwbvh
 from lumiere.accel.device_build import BYTES_PER_PRIMITIVE, DeviceBuilder
+from lumiere.accel.device_encode import encode
 from lumiere.shape import DeviceShape
 from lumiere.shape.triangle import Triangle
 from lumiere.wavefront.policy import is_gpu
@@ -21,11 +23,14 @@ FROM_ON_GPU = 50_000
 """A GPU does from so many on: numpy takes 7 µs each, so that ten renders have paid for the four seconds in which NVIDIA's compiler makes the program,
 once a machine and driver; with the program kept, a build of so many is over in milliseconds."""
 
+DeviceLayout = Bvh2 | Bvh8 | Cwbvh
+"""What the device can encode (device_encode.py)."""
+
 
 class OnDevice(Accelerator):
     """What ``layout`` makes, built and encoded on the device of ``queue``, where it stays; by ``layout`` itself where a leaf holds everything."""
 
-    def __init__(self, layout: Bvh2 | Bvh8, context: Any, queue: Any) -> None:
+    def __init__(self, layout: DeviceLayout, context: Any, queue: Any) -> None:
         self.layout, self.name = layout, layout.name  # type: ignore[misc]
         self.builder = DeviceBuilder(context, queue, layout.name, layout.max_leaf_size, layout.block)
 
@@ -36,10 +41,9 @@ class OnDevice(Accelerator):
         builder = self.builder
         given = builder.upload(records)
         tree = builder.build_triangles(given["vertices"]) if shape is Triangle else builder.build(*shape.bounds(records))
-        ordered = builder.in_order(tree, given)
-        arrays = builder.encode(tree, ordered)
-        ordered_corners = None if corners is None else builder.in_order(tree, builder.upload(corners))
-        return Accelerated(np.asarray(tree.order), ordered, ordered_corners, {**arrays}, tree.low, tree.high)
+        made = encode(builder, tree, given)
+        ordered_corners = None if corners is None else builder.gather(tree.grain, made.order, builder.upload(corners))
+        return Accelerated(np.asarray(made.order), made.records, ordered_corners, {**made.arrays}, tree.low, tree.high)
 
 
 def on_device(choose: Choice, context: Any, queue: Any, wanted: bool | None = None) -> Choice:
@@ -52,7 +56,7 @@ def on_device(choose: Choice, context: Any, queue: Any, wanted: bool | None = No
         need = BYTES_PER_PRIMITIVE * n_primitives
         fits = n_primitives < MAX_PRIMITIVES and need < device.global_mem_size // 2 and need // 4 < device.max_mem_alloc_size
         on = n_primitives >= least if wanted is None else wanted
-        if isinstance(accelerator, (Bvh2, Bvh8)) and fits and on:
+        if isinstance(accelerator, DeviceLayout) and fits and on:
             return OnDevice(accelerator, context, queue)
         return accelerator
 

@@ -13,25 +13,26 @@ from lumiere.accel import Accelerated
 from lumiere.accel.build import Topology, build, half_area
 from lumiere.accel.bvh2 import Bvh2
 from lumiere.accel.bvh8 import WIDTH, Bvh8
+from lumiere.accel.cwbvh import Cwbvh, leaves_together
 from lumiere.accel.device_build import Grain
 from lumiere.accel.flat import Flat
-from lumiere.accel.on_device import FROM_ON_CPU, FROM_ON_GPU, OnDevice, on_device
+from lumiere.accel.on_device import FROM_ON_CPU, FROM_ON_GPU, DeviceLayout, OnDevice, on_device
 from lumiere.shape.triangle import Triangle
 from lumiere.wavefront.policy import is_gpu
 from tests.accel.test_build import check
-from tests.accel.test_encode import leaves_of, wide_nodes, wide_nodes_of
+from tests.accel.test_encode import compressed_leaves, leaves_of, wide_nodes, wide_nodes_of
 from tests.accel.test_traversal import assert_same_hits, mesh_triangles, rays_around
 from tests.accel.tracer import NONE, Tracer
 from tests.contexts import context_of
 
 GRAINS = {"alone": Grain(group=1, chunk=500, small=100, span=64), "groups": Grain(group=64, chunk=512, small=32, span=32), "own": None}
-LAYOUTS = [Bvh2(), Bvh8()]
+LAYOUTS: list[DeviceLayout] = [Bvh2(), Bvh8(), Cwbvh()]
 
 every_layout = pytest.mark.parametrize("layout", LAYOUTS, ids=lambda layout: layout.name)
 
 
 @cache
-def accelerator(device: cl.Device, layout: Bvh2 | Bvh8, grain: str) -> OnDevice:
+def accelerator(device: cl.Device, layout: DeviceLayout, grain: str) -> OnDevice:
     context = context_of(device)
     made = OnDevice(layout, context, cl.CommandQueue(context))
     made.builder.grain = GRAINS[grain]
@@ -39,7 +40,7 @@ def accelerator(device: cl.Device, layout: Bvh2 | Bvh8, grain: str) -> OnDevice:
     return made
 
 
-def accelerated(device: cl.Device, layout: Bvh2 | Bvh8, grain: str, triangles: np.ndarray) -> tuple[Accelerated, Topology, np.ndarray]:
+def accelerated(device: cl.Device, layout: DeviceLayout, grain: str, triangles: np.ndarray) -> tuple[Accelerated, Topology, np.ndarray]:
     """What the device made of triangles (n, 3, 3); the tree that it is of, as numpy's encoders take it; and records in the tree's order."""
     made = accelerator(device, layout, grain)
     records = np.zeros(len(triangles), Triangle.record)
@@ -84,7 +85,7 @@ BOX_SETS = {name: rest for name, *rest in box_sets()}
 
 @every_layout
 @pytest.mark.parametrize("name", BOX_SETS)
-def test_as_good_as_numpys_and_always_the_same(device: cl.Device, layout: Bvh2 | Bvh8, name: str) -> None:
+def test_as_good_as_numpys_and_always_the_same(device: cl.Device, layout: DeviceLayout, name: str) -> None:
     lower, upper, compared = BOX_SETS[name]
     built = []
     for grain in [*GRAINS, "groups", "own"]:
@@ -135,9 +136,36 @@ def test_bvh8_is_as_good_as_numpys(device: cl.Device, grain: str, n: int) -> Non
         assert np.mean([children for _, children in ours]) > 0.65 * WIDTH and n > 0.65 * WIDTH * len(arrays["blocks"])
 
 
+@pytest.mark.parametrize("grain", GRAINS)
+@pytest.mark.parametrize(("n", "scale"), [(9, 1.0), (100, 1e-30), (5000, 1.0), (20_000, 3e38)])
+def test_cwbvh_is_as_good_as_numpys(device: cl.Device, grain: str, n: int, scale: float) -> None:
+    """Wide nodes of as many children, and leaves in boxes no wider than numpy's but for a rounding."""
+    triangles = scattered(n)
+    triangles = np.clip(2.0 * triangles - 1.0, -1.0, 1.0)
+    # What lies 2^-40 beyond a step of the grid from the corner −1 differs from it by a number of steps, in single precision.
+    triangles[:4] = np.array([-1.0, 1.0, -(2.0**-40), 2.0**-40])[:, None, None]
+    triangles = (np.float32(scale) * triangles).astype(np.float32)
+    made, topology, _ = accelerated(device, LAYOUTS[2], grain, triangles)
+    arrays, numpys = {"nodes": np.asarray(made.arrays["nodes"])}, leaves_together(topology)
+    expected = Cwbvh().encode(numpys, np.zeros(0))
+    assert np.array_equal(np.asarray(made.records)["vertices"], triangles[made.order])
+    assert arrays["nodes"].dtype == np.uint32 and len(arrays["nodes"]) == pytest.approx(len(expected["nodes"]), rel=0.01)
+    sizes = []
+    for found, order in ((compressed_leaves(arrays), made.order), (compressed_leaves(expected), numpys.order)):
+        held, size = np.zeros(n, int), 0.0
+        for first, count, box in found:
+            members = order[first : first + count]
+            held[members] += 1
+            assert (box[0] <= triangles[members].min(axis=(0, 1))).all() and (box[1] >= triangles[members].max(axis=(0, 1))).all()
+            size += float((box[1] / scale - box[0] / scale).sum())
+        assert (held == 1).all()
+        sizes.append(size)
+    assert sizes[0] == pytest.approx(sizes[1], rel=0.01)
+
+
 @every_layout
 @pytest.mark.parametrize("name", ["scattered", "spot/spot.obj", "broken/soup.stl"])
-def test_rays_meet_what_they_meet_in_a_list(device: cl.Device, layout: Bvh2 | Bvh8, name: str) -> None:
+def test_rays_meet_what_they_meet_in_a_list(device: cl.Device, layout: DeviceLayout, name: str) -> None:
     if layout.name == "bvh8" and is_gpu(device):
         pytest.skip("an eight-wide tree is for CPUs")
     triangles = scattered(3000) if name == "scattered" else mesh_triangles(name)

@@ -59,7 +59,7 @@ KERNEL void choose(global counters_t *counters, const uint level, global const o
     }
     uint middle = node.first + left;
     plane_t plane = {split.axis, split.last, middle};
-    planes[i] = plane;
+    planes[level * counters->room + i] = plane;
     node_store(nodes, node.slot, box, node.first, middle);
     turns[middle] = (uchar)(node.turns + 1u);
     marks[middle] = 1u;

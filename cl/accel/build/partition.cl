@@ -35,7 +35,7 @@ KERNEL void partition(global const counters_t *counters, const uint level, globa
             histogram_counts[3u * BINS * (size_t)node + i] = 0u;
     }
     grid_t grid = grid_over(box_of_keys(bounds + 12u * open[node].bounds + 6u));
-    plane_t plane = planes[node];
+    plane_t plane = planes[level * counters->room + node];
     uint run = (chunks[chunk].count + GROUP - 1u) / GROUP, count = chunks[chunk].count;
     uint begin = min(local_id * run, count), end = min(begin + run, count), first = chunks[chunk].first;
     uint left = chunks[chunk].left;
