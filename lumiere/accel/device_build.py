@@ -138,31 +138,30 @@ class DeviceBuilder:
 
         n = len(sources[0])
         grain = self.grain or grain_for(self.queue.device, n)
-        launch, allocate = self.launcher(grain), self.allocate
-        primitives, nodes, order = (allocate(32 * n), allocate(32 * n)), allocate(2 * NODE.itemsize * n), self.array(n, np.uint32)
-        turns, marks, subtrees = allocate(n + 4, 0), allocate(4 * n, 0), allocate(SUBTREE.itemsize * n)
-        most_open = n // grain.small + 1
+        launch, allocate, most_open = self.launcher(grain), self.allocate, n // grain.small + 1
+        primitives, order = (allocate(32 * n), allocate(32 * n)), self.array(n, np.uint32)
         # Of either side of a level's nodes. The root is in place of the left one of a level before the first.
         bounds = allocate(4 * 24 * most_open), allocate(4 * 24 * most_open)
+        buffers = {"nodes": allocate(2 * NODE.itemsize * n), "turns": allocate(n + 4, 0), "ranks": allocate(4 * n, 0),
+                   "subtrees": allocate(SUBTREE.itemsize * n), "planes": allocate(PLANE.itemsize * most_open * (MAX_DEPTH + LOOK_EVERY)),
+                   "counters": allocate(COUNTERS.itemsize), "kept": primitives[0]}
         cl.enqueue_fill_buffer(self.queue, bounds[1], np.uint32(0xFFFFFFFF), 0, 4 * 12)
         launch(boxes, -(-n // grain.span), *(source.buffer for source in sources), np.uint32(n), np.uint32(grain.span), primitives[0], bounds[1])
-        planes, counters = allocate(PLANE.itemsize * most_open * (MAX_DEPTH + LOOK_EVERY)), allocate(COUNTERS.itemsize)
         if n > grain.small:
-            counts = self._split_large(n, grain, primitives, bounds, nodes, turns, marks, planes, subtrees, counters)
+            counts = self._split_large(n, grain, primitives, bounds, buffers)
         else:
             counts = np.zeros(1, COUNTERS)
             counts["subtrees"] = 1
-            cl.enqueue_copy(self.queue, subtrees, np.array([(0, 0, n, 0, 0)], SUBTREE))
-        subtree_count, large = int(counts["subtrees"][0]), counts["open"][0].tolist()
-        launch("subtrees", subtree_count, subtrees, np.uint32(subtree_count), *primitives, nodes, turns, marks, order.buffer)
-        inner = self.rank(marks, n, grain)
+            cl.enqueue_copy(self.queue, buffers["subtrees"], np.array([(0, 0, n, 0, 0)], SUBTREE))
+        subtrees, large = int(counts["subtrees"][0]), counts["open"][0].tolist()
+        launch("subtrees", subtrees, buffers["subtrees"], np.uint32(subtrees), *primitives, buffers["nodes"], buffers["turns"], buffers["ranks"],
+               order.buffer)
+        inner = self.rank(buffers["ranks"], n, grain)
         root = np.zeros(1, NODE)
-        cl.enqueue_copy(self.queue, root, nodes)
-        buffers = {"nodes": nodes, "turns": turns, "ranks": marks, "subtrees": subtrees, "kept": primitives[0], "planes": planes, "counters": counters}
-        return DeviceTree(order, inner, grain, buffers, subtree_count, large[: large.index(0)], root["low"][0], root["high"][0])
+        cl.enqueue_copy(self.queue, root, buffers["nodes"])
+        return DeviceTree(order, inner, grain, buffers, subtrees, large[: large.index(0)], root["low"][0], root["high"][0])
 
-    def _split_large(self, n: int, grain: Grain, primitives: tuple[Any, Any], bounds: tuple[Any, Any], nodes: Any, turns: Any, marks: Any,
-                     planes: Any, subtrees: Any, counters: Any) -> np.ndarray:
+    def _split_large(self, n: int, grain: Grain, primitives: tuple[Any, Any], bounds: tuple[Any, Any], buffers: dict[str, Any]) -> np.ndarray:
         """Splits all nodes of more than ``grain.small`` primitives; returns the counters. The host waits for as few levels as it can: kernels see for
         themselves how many nodes a level has."""
         import pyopencl as cl
@@ -178,23 +177,24 @@ class DeviceBuilder:
         counts["room"], counts["open"][0, 0], counts["chunks"][0, 0] = most_open, 1, len(rows)
         cl.enqueue_copy(self.queue, chunks[0], rows)
         cl.enqueue_copy(self.queue, opens[0], np.array([(0, 0, n, 0, 0, 0)], OPEN))
-        cl.enqueue_copy(self.queue, counters, counts)
+        cl.enqueue_copy(self.queue, buffers["counters"], counts)
         largest, most = n, 1
         for level in range(MAX_DEPTH + LOOK_EVERY):
             # The largest node of a level holds at least half of what that of the level before does.
             if largest <= grain.small:
-                cl.enqueue_copy(self.queue, counts, counters)
+                cl.enqueue_copy(self.queue, counts, buffers["counters"])
                 most = int(counts["open"][0, level])
                 if most == 0:
                     break
                 largest = grain.small << LOOK_EVERY
             now, then = level % 2, 1 - level % 2
-            groups, group, at = (min(n // grain.chunk + most, most_chunks) * grain.group,), (grain.group,), (counters, np.uint32(level))
+            groups, group, at = (min(n // grain.chunk + most, most_chunks) * grain.group,), (grain.group,), (buffers["counters"], np.uint32(level))
             run["bin"](self.queue, groups, group, *at, opens[now], chunks[now], primitives[now], bounds[then], *histograms, chunk_counts)
             launch("choose", most, *at, opens[now], chunks[now], bounds[then], *histograms, chunk_counts, np.uint32(grain.small),
-                   np.uint32(grain.chunk), nodes, turns, marks, planes, bounds[now], opens[then], chunks[then], subtrees)
-            run["partition"](self.queue, groups, group, *at, opens[now], chunks[now], planes, primitives[now], bounds[then], primitives[then],
-                             bounds[now], *histograms)
+                   np.uint32(grain.chunk), buffers["nodes"], buffers["turns"], buffers["ranks"], buffers["planes"], bounds[now], opens[then], chunks[then],
+                   buffers["subtrees"])
+            run["partition"](self.queue, groups, group, *at, opens[now], chunks[now], buffers["planes"], primitives[now], bounds[then],
+                             primitives[then], bounds[now], *histograms)
             largest, most = -(-largest // 2), min(2 * most, most_open)
         return counts
 
