@@ -51,8 +51,7 @@ def preparation(path: Path, runs: int, device: str | None) -> dict[str, Any]:
         kept = [memory.upload(name, array) for name, (_, array) in wavefront.buffers.arrays.items()]
         wavefront.finish()
         times["upload"].append(time.perf_counter() - begin)
-        for buffer in kept:
-            buffer.release()
+        del kept
         times["load"].append(render.seconds["load"])
         times["accelerator"].append(render.seconds["accelerator"])
         times["upload and programs"].append(render.seconds["compile"])

@@ -20,6 +20,7 @@ import numpy as np
 from lumiere.accel import Choice, choose, layouts, preferring
 from lumiere.accel.bvh2 import Bvh2
 from lumiere.accel.bvh8 import Bvh8
+from lumiere.accel.cwbvh import Cwbvh
 from lumiere.accel.device_build import DeviceBuilder
 from lumiere.bsdf import MATERIALS
 from lumiere.camera import CAMERAS
@@ -107,7 +108,7 @@ def programs(scene: Scene, choose_accelerator: Choice = choose) -> Iterator[Prog
 
 def build_programs() -> Iterator[ProgramSource]:
     """The programs that build trees, for a work-item alone and for groups."""
-    for layout in (Bvh2, Bvh8):
+    for layout in (Bvh2, Bvh8, Cwbvh):
         builder = DeviceBuilder(None, None, layout.name, layout.max_leaf_size, layout.block)
         yield from (builder.source(group, stack=8) for group in (1, 64))
 

@@ -5,12 +5,17 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Callable
-from typing import ClassVar, Protocol
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from lumiere.accel.build import Topology
+from lumiere.device.array import Array
 from lumiere.errors import UsageError
+
+if TYPE_CHECKING:
+    from lumiere.shape import DeviceShape
 
 FLAT_UP_TO = 8
 """As many primitives are faster tested one after the other than through a tree of two or three nodes."""
@@ -24,17 +29,43 @@ PACKET_LAYOUTS = ("flat16",)
 """Layouts that sixteen rays traverse at once (cl/accel/packet.cl)."""
 
 
-class Accelerator(Protocol):
+@dataclass
+class Accelerated:
+    """Primitives of a device shape behind an accelerator.
+
+    ``order``: (n,) uint32, the primitives in leaf order; ``records`` and ``corners`` (n, 3), where there are any, are theirs in that order; ``arrays``: what
+    ``encode`` makes; ``low``, ``high``: (3,) float32 bounds of them all.
+    """
+
+    order: np.ndarray
+    records: Array
+    corners: Array | None
+    arrays: dict[str, Array]
+    low: np.ndarray
+    high: np.ndarray
+
+
+class Accelerator:
     """A builder and a layout. ``cl/accel/{name}.cl`` traverses what ``encode`` makes."""
 
     name: ClassVar[str]
-    triangles_only: ClassVar[bool]
+    triangles_only: ClassVar[bool] = False
 
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """The topology over boxes (n, 3) float32; ``order`` is the order in which the primitives have to be stored."""
+        raise NotImplementedError
 
     def encode(self, topology: Topology, records: np.ndarray) -> dict[str, np.ndarray]:
         """The device's arrays, of float32 or uint32, by name: the field ``{shape}_{name}`` of ``scene_t``. ``records`` are in leaf order."""
+        raise NotImplementedError
+
+    def accelerate(self, shape: type[DeviceShape], records: np.ndarray, corners: np.ndarray | None = None) -> Accelerated:
+        """At least one of the primitives of ``shape``, in leaf order, and the arrays: ``build`` and ``encode`` on the host."""
+        topology = self.build(*shape.bounds(records))
+        order = topology.order
+        records = records.take(order)
+        corners = None if corners is None else corners.take(order, axis=0)
+        return Accelerated(order, records, corners, {**self.encode(topology, records)}, topology.lower[0], topology.upper[0])
 
 
 def choose(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelerator:

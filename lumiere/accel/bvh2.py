@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from lumiere.accel import Accelerator
 from lumiere.accel.build import Topology, build
 
 LEAF = 1 << 31
@@ -14,7 +15,7 @@ MAX_LEAF_SIZE = 8
 MAX_PRIMITIVES = 1 << COUNT_SHIFT
 
 
-class Bvh2:
+class Bvh2(Accelerator):
     """48 bytes of boxes and two child references an inner node; depth first, so that a left child follows its parent.
 
     ``nodes``: (m, 12) float32: left low x, left high x, left low y, left high y, the same of the right child, left low z, left high z,
@@ -25,7 +26,6 @@ class Bvh2:
     """
 
     name: ClassVar[str] = "bvh2"
-    triangles_only: ClassVar[bool] = False
     max_leaf_size: ClassVar[int] = 4
     block: ClassVar[int] = 1
 

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from lumiere.accel import Accelerator
 from lumiere.accel.build import Topology, build, half_area
 from lumiere.accel.collapse import WIDTH, collapse
 
@@ -13,7 +14,7 @@ LEAF = 1 << 31
 COUNT_SHIFT = 28
 
 
-class Bvh8:
+class Bvh8(Accelerator):
     """256 bytes a node and 320 a block of at most eight triangles: four and five lines of a cache.
 
     ``nodes``: (m, 8, 8) uint32, the first six rows float32: low x, high x, low y, high y, low z, high z of the eight children; absent ones have

@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from lumiere.accel import Accelerator
 from lumiere.accel.build import Topology, build
 from lumiere.accel.collapse import WIDTH, collapse
 
-MAX_LEAF_SIZE = 3
 NODE_BYTES = 80
 FIRST_INNER_BIT = 24
 STEPS = 255
@@ -21,7 +21,7 @@ LEAST_EXPONENT, LARGEST_EXPONENT = -126, 121
 """Of the grid's step: that of the least normal number, and one with which the grid spans all finite numbers."""
 
 
-class Cwbvh:
+class Cwbvh(Accelerator):
     """80 bytes a node. The primitives of a node's leaves lie together, so ``build`` has an order of its own.
 
     ``nodes``: (m, 20) uint32, node 0 the root. Words 0 to 2: the lowest corner p, float32. Word 3, bytes: the exponents of the grid's steps along
@@ -34,24 +34,17 @@ class Cwbvh:
     """
 
     name: ClassVar[str] = "cwbvh"
-    triangles_only: ClassVar[bool] = False
+    max_leaf_size: ClassVar[int] = 3
+    block: ClassVar[int] = 1
 
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """A SAH topology with leaves of at most 3, whose ``order`` has the leaves of each wide node together: inner nodes are no ranges of it."""
-        topology = build(lower, upper, max_leaf_size=MAX_LEAF_SIZE)
-        children = collapse(topology, by_octant)
-        leaves = children[(children >= 0) & topology.leaves[children]]
-        count = topology.count[leaves].astype(np.int64)
-        offset = np.cumsum(count) - count
-        first = topology.first.copy()
-        order = topology.order[np.arange(count.sum()) + np.repeat(first[leaves] - offset, count)]
-        first[leaves] = offset
-        return replace(topology, first=first, order=order)
+        return leaves_together(build(lower, upper, self.max_leaf_size, block=self.block))
 
     def encode(self, topology: Topology, records: np.ndarray) -> dict[str, np.ndarray]:
         """``nodes``. Raises ValueError for leaves of more than 3 primitives, or where those of a node are not together."""
-        if np.any(topology.count[topology.leaves] > MAX_LEAF_SIZE):
-            raise ValueError(f"found a leaf of {topology.count[topology.leaves].max()} primitives, expected at most {MAX_LEAF_SIZE}")
+        if np.any(topology.count[topology.leaves] > self.max_leaf_size):
+            raise ValueError(f"found a leaf of {topology.count[topology.leaves].max()} primitives, expected at most {self.max_leaf_size}")
         children = collapse(topology, by_octant)
         present = children >= 0
         kept = np.maximum(children, 0)
@@ -81,6 +74,18 @@ class Cwbvh:
         nodes[:, 32:56] = low_steps.reshape(-1, 3 * WIDTH)
         nodes[:, 56:80] = high_steps.reshape(-1, 3 * WIDTH)
         return {"nodes": words.astype(np.uint32)}
+
+
+def leaves_together(topology: Topology) -> Topology:
+    """``topology`` with another order of the primitives, in which the leaves of each wide node are together."""
+    children = collapse(topology, by_octant)
+    leaves = children[(children >= 0) & topology.leaves[children]]
+    count = topology.count[leaves].astype(np.int64)
+    offset = np.cumsum(count) - count
+    first = topology.first.copy()
+    order = topology.order[np.arange(count.sum()) + np.repeat(first[leaves] - offset, count)]
+    first[leaves] = offset
+    return replace(topology, first=first, order=order)
 
 
 def _quantised(low: np.ndarray, high: np.ndarray, present: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -6,14 +6,14 @@ from typing import ClassVar
 
 import numpy as np
 
+from lumiere.accel import Accelerator
 from lumiere.accel.build import Topology, single_leaf
 
 
-class Flat:
+class Flat(Accelerator):
     """No nodes: the device tests every primitive. The boxes may be infinite."""
 
     name: ClassVar[str] = "flat"
-    triangles_only: ClassVar[bool] = False
 
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """One leaf, the primitives in their own order."""

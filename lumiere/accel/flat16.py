@@ -6,13 +6,14 @@ from typing import ClassVar
 
 import numpy as np
 
+from lumiere.accel import Accelerator
 from lumiere.accel.build import Topology, single_leaf
 
 ROUNDING = 2.0**-24
 """Half the distance from 1 to the next float32."""
 
 
-class Flat16:
+class Flat16(Accelerator):
     """80 bytes a triangle.
 
     ``planes``: (n, 20) float32: vertex 0; the edges e1 and e2 from it to vertices 1 and 2, and their cross product n, all times a power of two that

@@ -6,49 +6,57 @@ from typing import Any
 
 import numpy as np
 
-from lumiere.accel import Accelerator, Choice
-from lumiere.accel.build import Topology
+from lumiere.accel import Accelerated, Accelerator, Choice
 from lumiere.accel.bvh2 import MAX_PRIMITIVES, Bvh2
 from lumiere.accel.bvh8 import Bvh8
-from lumiere.accel.device_build import BYTES_PER_PRIMITIVE, DeviceBuilder, DeviceTree
+from lumiere.accel.cwbvh import Cwbvh
+from lumiere.accel.device_build import BYTES_PER_PRIMITIVE, DeviceBuilder
+from lumiere.accel.device_encode import encode
+from lumiere.shape import DeviceShape
+from lumiere.shape.triangle import Triangle
 from lumiere.wavefront.policy import is_gpu
 
-FROM = 100_000
-"""The device builds a tree from so many primitives on: below, numpy is done before the kept program is loaded (docs/performance.md)."""
+FROM_ON_CPU = 100_000
+"""A CPU builds a tree from so many primitives on: below, numpy is done before the kept program is loaded (docs/performance.md)."""
+
+FROM_ON_GPU = 50_000
+"""A GPU does from so many on: numpy takes 7 µs each, so that ten renders have paid for the four seconds in which NVIDIA's compiler makes the program,
+once a machine and driver; with the program kept, a build of so many is over in milliseconds."""
+
+DeviceLayout = Bvh2 | Bvh8 | Cwbvh
+"""What the device can encode (device_encode.py)."""
 
 
-class OnDevice:
-    """What ``layout`` makes, built and encoded on the device of ``queue``; by ``layout`` itself where a leaf holds everything."""
+class OnDevice(Accelerator):
+    """What ``layout`` makes, built and encoded on the device of ``queue``, where it stays; by ``layout`` itself where a leaf holds everything."""
 
-    def __init__(self, layout: Bvh2 | Bvh8, context: Any, queue: Any) -> None:
-        self.layout, self.name = layout, layout.name
+    def __init__(self, layout: DeviceLayout, context: Any, queue: Any) -> None:
+        self.layout, self.name = layout, layout.name  # type: ignore[misc]
         self.builder = DeviceBuilder(context, queue, layout.name, layout.max_leaf_size, layout.block)
 
-    def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology | DeviceTree:
-        """A tree of the device's, for ``encode``. Boxes as ``lumiere.accel.build.build`` takes them."""
-        if len(lower) <= self.layout.max_leaf_size:
-            return self.layout.build(lower, upper)
-        return self.builder.build(lower, upper)
+    def accelerate(self, shape: type[DeviceShape], records: np.ndarray, corners: np.ndarray | None = None) -> Accelerated:
+        """On the device but for ``order``, which the host gets, too."""
+        if len(records) <= self.layout.max_leaf_size:
+            return self.layout.accelerate(shape, records, corners)
+        builder = self.builder
+        given = builder.upload(records)
+        tree = builder.build_triangles(given["vertices"]) if shape is Triangle else builder.build(*shape.bounds(records))
+        made = encode(builder, tree, given)
+        ordered_corners = None if corners is None else builder.gather(tree.grain, made.order, builder.upload(corners))
+        return Accelerated(np.asarray(made.order), made.records, ordered_corners, {**made.arrays}, tree.low, tree.high)
 
-    def encode(self, tree: Topology | DeviceTree, records: np.ndarray) -> dict[str, np.ndarray]:
-        """The arrays that ``layout`` documents."""
-        if isinstance(tree, Topology):
-            return self.layout.encode(tree, records)
-        return self.builder.encode(tree, records)
 
-
-def on_device(choose: Choice, context: Any, queue: Any,
-              wanted: bool | None = None) -> Choice:
-    """``choose``, but that the device builds what it chooses: where ``wanted`` is None, CPUs from ``FROM`` primitives on (on GPUs it has yet to be
-    measured)."""
+def on_device(choose: Choice, context: Any, queue: Any, wanted: bool | None = None) -> Choice:
+    """``choose``, but that the device builds what it chooses: where ``wanted`` is None, from ``FROM_ON_CPU`` or ``FROM_ON_GPU`` primitives on."""
     device = queue.device
+    least = FROM_ON_GPU if is_gpu(device) else FROM_ON_CPU
 
     def choose_here(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelerator:
         accelerator = choose(shape, n_primitives, bounded, wide)
         need = BYTES_PER_PRIMITIVE * n_primitives
-        fits = n_primitives < MAX_PRIMITIVES and need < device.global_mem_size // 2 and need // 2 < device.max_mem_alloc_size
-        on = n_primitives >= FROM and not is_gpu(device) if wanted is None else wanted
-        if isinstance(accelerator, (Bvh2, Bvh8)) and fits and on:
+        fits = n_primitives < MAX_PRIMITIVES and need < device.global_mem_size // 2 and need // 4 < device.max_mem_alloc_size
+        on = n_primitives >= least if wanted is None else wanted
+        if isinstance(accelerator, DeviceLayout) and fits and on:
             return OnDevice(accelerator, context, queue)
         return accelerator
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from lumiere.accel import Choice, choose
 from lumiere.bsdf import Material
+from lumiere.device.array import Array
 from lumiere.shape import DeviceShape, Primitives, Shape
 from lumiere.texture import Texture
 
@@ -27,14 +28,19 @@ class Object:
 
 @dataclass
 class ShapeGroup:
-    """All primitives of one device shape, in leaf order, with its accelerator's buffers. ``objects`` (n,) uint32 says whose each is."""
+    """All primitives of one device shape, in leaf order, with its accelerator's arrays. ``objects`` (n,) uint32 says whose each is; ``order`` (n,) its
+    place in ``given``, the records as they came. ``bounds``: (3,) float32 corners around all of a bounded shape.
+    """
 
     device_shape: type[DeviceShape]
-    records: np.ndarray
+    records: Array
     objects: np.ndarray
+    given: np.ndarray
+    order: np.ndarray
     layout: str
-    accelerator: dict[str, np.ndarray]
-    corners: np.ndarray | None = None
+    accelerator: dict[str, Array] = field(default_factory=dict)
+    corners: Array | None = None
+    bounds: tuple[np.ndarray, np.ndarray] | None = None
 
 
 @dataclass
@@ -72,21 +78,24 @@ def group_shapes(objects: list[Object], keep: tuple[str, ...], wide: bool,
             by_shape.setdefault(item.primitives.device_shape, []).append(number)
     for device_shape in sorted(by_shape, key=lambda s: (not s.bounded, s.name != "triangle", s.name)):
         members = by_shape[device_shape]
-        records = np.concatenate([objects[i].primitives.records for i in members])
-        owners = np.concatenate([np.full(len(objects[i].primitives.records), i, dtype=np.uint32) for i in members])
+        records = joined([objects[i].primitives.records for i in members])
+        owners = joined([np.full(len(objects[i].primitives.records), i, dtype=np.uint32) for i in members])
         corners = None
         if device_shape.name == "triangle" and any(_carries(objects[i].primitives, keep) for i in members):
-            corners = np.concatenate([vertices.add(_only(objects[i].primitives, keep)) for i in members])
+            corners = joined([vertices.add(_only(objects[i].primitives, keep)) for i in members])
         accelerator = choose_accelerator(device_shape.name, len(records), device_shape.bounded, wide)
-        buffers: dict[str, np.ndarray] = {}
-        if device_shape.bounded:
-            topology = accelerator.build(*device_shape.bounds(records))
-            order = topology.order
-            records, owners = records.take(order), owners.take(order)
-            corners = corners if corners is None else corners.take(order, axis=0)
-            buffers = accelerator.encode(topology, records)
-        groups.append(ShapeGroup(device_shape, records, owners, accelerator.name, buffers, corners))
+        if not device_shape.bounded:
+            groups.append(ShapeGroup(device_shape, records, owners, records, np.arange(len(records)), accelerator.name))
+            continue
+        made = accelerator.accelerate(device_shape, records, corners)
+        owners = owners.take(made.order) if len(members) > 1 else owners
+        groups.append(ShapeGroup(device_shape, made.records, owners, records, made.order, accelerator.name, made.arrays, made.corners, (made.low, made.high)))
     return groups, vertices
+
+
+def joined(parts: list[np.ndarray]) -> np.ndarray:
+    """The parts one after the other; a lone one as it is, not a copy."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _carries(primitives: Primitives, keep: tuple[str, ...]) -> bool:

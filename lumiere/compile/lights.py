@@ -46,12 +46,13 @@ def light_table(lights: list[Light], objects: list[Object], groups: list[ShapeGr
     first = 0
     flux = np.array([np.pi * mean_emission(o.emission) * (2.0 if o.both_sides else 1.0) for o in objects])
     for group in groups:
-        power = group.device_shape.areas(group.records) * flux[group.objects]
-        members = np.nonzero(power > 0.0)[0]
+        shining = np.flatnonzero((flux > 0.0)[group.objects])
+        power = group.device_shape.areas(group.given[group.order[shining]]) * flux[group.objects[shining]]
+        members = shining[power > 0.0]
         emitters.append(members + first)
         sources.append(group.objects[members].astype(np.int64))
-        powers.append(power[members])
-        first += len(group.records)
+        powers.append(power[power > 0.0])
+        first += len(group.objects)
     table = LightTable(np.concatenate([*emitters, np.zeros(0, dtype=np.int64)]).astype(np.uint32))
     for light in lights:
         table.kinds.setdefault(light.device_kind, []).append(light)

@@ -16,12 +16,13 @@ from lumiere.bsdf.mix import Mix
 from lumiere.camera import Camera
 from lumiere.camera.perspective import Perspective
 from lumiere.compile.features import Features
-from lumiere.compile.geometry import Object, ShapeGroup, Vertices, group_shapes
+from lumiere.compile.geometry import Object, ShapeGroup, Vertices, group_shapes, joined
 from lumiere.compile.lights import LightTable, light_table, mean_emission
 from lumiere.compile.materials import NO_TEXTURE, MaterialTable
 from lumiere.compile.mix import Row, rows_of
 from lumiere.compile.recentre import far_center, moved
 from lumiere.compile.textures import SRGB_VALUES, TextureTable
+from lumiere.device.array import Array, DeviceArray
 from lumiere.device.source import c_struct
 from lumiere.errors import SceneError
 from lumiere.light import Light
@@ -37,10 +38,10 @@ TWO_SIDED, VISIBLE_TO_CAMERA, VISIBLE_TO_SHADOW, TRANSLUCENT = 1, 2, 4, 8
 
 @dataclass
 class SceneBuffers:
-    """What the device gets: arrays by name with the C type of their elements, the structs that those are made of, and Features."""
+    """What the device gets, or has: arrays by name with the C type of their elements, the structs that those are made of, and Features."""
 
     features: Features
-    arrays: dict[str, tuple[str, np.ndarray]] = field(default_factory=dict)
+    arrays: dict[str, tuple[str, Array]] = field(default_factory=dict)
     structs: dict[str, np.dtype] = field(default_factory=dict)
     bsdf_parameters: dict[str, dict[str, str]] = field(default_factory=dict)
     dropped: dict[str, int] = field(default_factory=dict)
@@ -48,11 +49,11 @@ class SceneBuffers:
     origin: np.ndarray = field(default_factory=lambda: np.zeros(3))
     """What is at the device's origin, in the file's coordinates."""
 
-    def add(self, name: str, c_type: str, array: np.ndarray) -> None:
+    def add(self, name: str, c_type: str, array: Array) -> None:
         """Adds a buffer; ``c_type`` is ``float``, ``uint`` or a struct's name, then declared by the array's dtype."""
         if array.dtype.names:
             self.structs[c_type] = array.dtype
-        self.arrays[name] = (c_type, np.ascontiguousarray(array))
+        self.arrays[name] = (c_type, array if isinstance(array, DeviceArray) else np.ascontiguousarray(array))
 
     @property
     def bytes(self) -> int:
@@ -176,11 +177,11 @@ def _tells_rays_apart(objects: list[Object], rows: list[Row]) -> bool:
 
 def scene_bounds(groups: list[ShapeGroup]) -> tuple[np.ndarray, float]:
     """Centre and radius of a sphere around everything bounded, metres; about the origin with radius 1 where nothing is."""
-    corners = [group.device_shape.bounds(group.records) for group in groups if group.device_shape.bounded and len(group.records)]
+    corners = [group.bounds for group in groups if group.bounds is not None]
     if not corners:
         return np.zeros(3), 1.0
-    lower = np.min([low.min(axis=0) for low, _ in corners], axis=0).astype(np.float64)
-    upper = np.max([high.max(axis=0) for _, high in corners], axis=0).astype(np.float64)
+    lower = np.min([low for low, _ in corners], axis=0).astype(np.float64)
+    upper = np.max([high for _, high in corners], axis=0).astype(np.float64)
     return (lower + upper) / 2.0, float(np.linalg.norm(upper - lower) / 2.0) or 1.0
 
 
@@ -265,8 +266,8 @@ def _add_render(buffers: SceneBuffers, scene: Scene, groups: list[ShapeGroup], t
     first = 0
     for group in groups:
         values[f"{group.device_shape.name}_first"] = ("<u4", first)
-        values[f"{group.device_shape.name}_count"] = ("<u4", len(group.records))
-        first += len(group.records)
+        values[f"{group.device_shape.name}_count"] = ("<u4", len(group.objects))
+        first += len(group.objects)
     for kind, members in table.kinds.items():
         values[f"{kind}_light_first"] = ("<u4", table.first(kind))
         values[f"{kind}_light_count"] = ("<u4", len(members))
@@ -302,7 +303,7 @@ def _add_geometry(buffers: SceneBuffers, groups: list[ShapeGroup], vertices: Ver
         if getattr(buffers.features, feature):
             buffers.add(name, "float", np.concatenate(parts).astype(np.float32))
     if groups:
-        buffers.add("primitive_objects", "uint", np.concatenate([group.objects for group in groups]))
+        buffers.add("primitive_objects", "uint", joined([group.objects for group in groups]))
 
 
 def _translucent(material: Material) -> bool:

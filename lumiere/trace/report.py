@@ -41,7 +41,7 @@ class _Describer:
     """Knows what the primitives of a compiled scene are."""
 
     def __init__(self, scene: Scene, job: Render) -> None:
-        self.arrays = {name: array for name, (_, array) in job.wavefront.buffers.arrays.items()}
+        self.arrays = {name: np.asarray(array) for name, (_, array) in job.wavefront.buffers.arrays.items()}
         self.render = self.arrays["render"]
         self.center = job.wavefront.buffers.origin
         self.shapes = list(job.wavefront.buffers.features.shapes)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from lumiere.device.array import Array, DeviceArray
 from lumiere.errors import DeviceError
 
 
@@ -41,10 +42,13 @@ class DeviceMemory:
         self.bytes += size
         return buffer
 
-    def upload(self, what: str, array: np.ndarray) -> Any:
-        """A buffer that holds ``array``."""
+    def upload(self, what: str, array: Array) -> Any:
+        """A buffer that holds ``array``: its own, where it is on the device already."""
         import pyopencl as cl
 
+        if isinstance(array, DeviceArray):
+            self.bytes += array.nbytes
+            return array.buffer
         buffer = self.allocate(what, array.nbytes)
         if array.nbytes:
             cl.enqueue_copy(self.queue, buffer, array, is_blocking=True)

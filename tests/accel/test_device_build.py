@@ -9,32 +9,44 @@ import numpy as np
 import pyopencl as cl
 import pytest
 
+from lumiere.accel import Accelerated
 from lumiere.accel.build import Topology, build, half_area
 from lumiere.accel.bvh2 import Bvh2
 from lumiere.accel.bvh8 import WIDTH, Bvh8
-from lumiere.accel.device_build import DeviceTree, Grain
+from lumiere.accel.cwbvh import Cwbvh, leaves_together
+from lumiere.accel.device_build import Grain
 from lumiere.accel.flat import Flat
-from lumiere.accel.on_device import FROM, OnDevice, on_device
+from lumiere.accel.on_device import FROM_ON_CPU, FROM_ON_GPU, DeviceLayout, OnDevice, on_device
+from lumiere.shape.triangle import Triangle
 from lumiere.wavefront.policy import is_gpu
 from tests.accel.test_build import check
-from tests.accel.test_encode import leaves_of, wide_nodes, wide_nodes_of
+from tests.accel.test_encode import compressed_leaves, leaves_of, wide_nodes, wide_nodes_of
 from tests.accel.test_traversal import assert_same_hits, mesh_triangles, rays_around
 from tests.accel.tracer import NONE, Tracer
 from tests.contexts import context_of
 
-RECORD = np.dtype([("vertices", "<f4", (3, 3))])
 GRAINS = {"alone": Grain(group=1, chunk=500, small=100, span=64), "groups": Grain(group=64, chunk=512, small=32, span=32), "own": None}
-LAYOUTS = [Bvh2(), Bvh8()]
+LAYOUTS: list[DeviceLayout] = [Bvh2(), Bvh8(), Cwbvh()]
 
 every_layout = pytest.mark.parametrize("layout", LAYOUTS, ids=lambda layout: layout.name)
 
 
 @cache
-def accelerator(device: cl.Device, layout: Bvh2 | Bvh8, grain: str) -> OnDevice:
+def accelerator(device: cl.Device, layout: DeviceLayout, grain: str) -> OnDevice:
     context = context_of(device)
     made = OnDevice(layout, context, cl.CommandQueue(context))
     made.builder.grain = GRAINS[grain]
+    made.builder.shares_memory = False if grain == "groups" else None
     return made
+
+
+def accelerated(device: cl.Device, layout: DeviceLayout, grain: str, triangles: np.ndarray) -> tuple[Accelerated, Topology, np.ndarray]:
+    """What the device made of triangles (n, 3, 3); the tree that it is of, as numpy's encoders take it; and records in the tree's order."""
+    made = accelerator(device, layout, grain)
+    records = np.zeros(len(triangles), Triangle.record)
+    records["vertices"] = triangles
+    tree = made.builder.build(*Triangle.bounds(records))
+    return made.accelerate(Triangle, records), made.builder.topology(tree), records[np.asarray(tree.order)]
 
 
 def cost(topology: Topology, block: int) -> float:
@@ -73,14 +85,14 @@ BOX_SETS = {name: rest for name, *rest in box_sets()}
 
 @every_layout
 @pytest.mark.parametrize("name", BOX_SETS)
-def test_as_good_as_numpys_and_always_the_same(device: cl.Device, layout: Bvh2 | Bvh8, name: str) -> None:
+def test_as_good_as_numpys_and_always_the_same(device: cl.Device, layout: DeviceLayout, name: str) -> None:
     lower, upper, compared = BOX_SETS[name]
     built = []
     for grain in [*GRAINS, "groups", "own"]:
-        accelerated = accelerator(device, layout, grain)
-        tree = accelerated.build(lower, upper)
-        assert isinstance(tree, DeviceTree)
-        built.append(accelerated.builder.topology(tree))
+        builder = accelerator(device, layout, grain).builder
+        tree = builder.build(lower, upper)
+        assert np.array_equal(tree.low, lower.min(axis=0)) and np.array_equal(tree.high, upper.max(axis=0))
+        built.append(builder.topology(tree))
         assert np.array_equal(built[-1].order, built[0].order)
         assert cost(built[-1], layout.block) == pytest.approx(cost(built[0], layout.block), rel=1e-6)
     check(built[0], lower, upper, layout.max_leaf_size)
@@ -99,10 +111,9 @@ def scattered(n: int) -> np.ndarray:
 @pytest.mark.parametrize("grain", GRAINS)
 @pytest.mark.parametrize("n", [9, 100, 20_000])
 def test_bvh2_as_numpy_encodes_it(device: cl.Device, grain: str, n: int) -> None:
-    triangles = scattered(n)
-    made = accelerator(device, LAYOUTS[0], grain)
-    tree = made.build(triangles.min(axis=1), triangles.max(axis=1))
-    arrays, expected = made.encode(tree, np.zeros(n, RECORD)), Bvh2().encode(made.builder.topology(tree), np.zeros(0))
+    made, topology, records = accelerated(device, LAYOUTS[0], grain, scattered(n))
+    assert np.array_equal(made.order, topology.order) and np.array_equal(np.asarray(made.records), records)
+    arrays, expected = {name: np.asarray(array) for name, array in made.arrays.items()}, Bvh2().encode(topology, np.zeros(0))
     assert {name: (a.dtype, a.shape) for name, a in arrays.items()} == {name: (a.dtype, a.shape) for name, a in expected.items()}
     assert all(np.array_equal(arrays[name], expected[name]) for name in expected)
     assert sum(count for _, count, _ in leaves_of(arrays)) == n
@@ -112,13 +123,8 @@ def test_bvh2_as_numpy_encodes_it(device: cl.Device, grain: str, n: int) -> None
 @pytest.mark.parametrize("n", [9, 100, 20_000])
 def test_bvh8_is_as_good_as_numpys(device: cl.Device, grain: str, n: int) -> None:
     """The same blocks, and wide nodes of the same area in all; their numbers are another walk's."""
-    triangles = scattered(n)
-    made = accelerator(device, LAYOUTS[1], grain)
-    tree = made.build(triangles.min(axis=1), triangles.max(axis=1))
-    records = np.zeros(n, RECORD)
-    records["vertices"] = triangles[tree.order]
-    topology = made.builder.topology(tree)
-    arrays, expected = made.encode(tree, records), Bvh8().encode(topology, records)
+    made, topology, records = accelerated(device, LAYOUTS[1], grain, scattered(n))
+    arrays, expected = {name: np.asarray(array) for name, array in made.arrays.items()}, Bvh8().encode(topology, records)
     assert {name: (a.dtype, a.shape[1:]) for name, a in arrays.items()} == {name: (a.dtype, a.shape[1:]) for name, a in expected.items()}
     places = [np.argsort(a["blocks"][:, 9, 0].view(np.uint32) & (1 << 28) - 1) for a in (arrays, expected)]
     assert np.array_equal(places[0], np.arange(len(places[0]))), "blocks lie in the order of their triangles"
@@ -129,9 +135,36 @@ def test_bvh8_is_as_good_as_numpys(device: cl.Device, grain: str, n: int) -> Non
         assert np.mean([children for _, children in ours]) > 0.65 * WIDTH and n > 0.65 * WIDTH * len(arrays["blocks"])
 
 
+@pytest.mark.parametrize("grain", GRAINS)
+@pytest.mark.parametrize(("n", "scale"), [(9, 1.0), (100, 1e-30), (5000, 1.0), (20_000, 3e38)])
+def test_cwbvh_is_as_good_as_numpys(device: cl.Device, grain: str, n: int, scale: float) -> None:
+    """Wide nodes of as many children, and leaves in boxes no wider than numpy's but for a rounding."""
+    triangles = scattered(n)
+    triangles = np.clip(2.0 * triangles - 1.0, -1.0, 1.0)
+    # What lies 2^-40 beyond a step of the grid from the corner −1 differs from it by a number of steps, in single precision.
+    triangles[:4] = np.array([-1.0, 1.0, -(2.0**-40), 2.0**-40])[:, None, None]
+    triangles = (np.float32(scale) * triangles).astype(np.float32)
+    made, topology, _ = accelerated(device, LAYOUTS[2], grain, triangles)
+    arrays, numpys = {"nodes": np.asarray(made.arrays["nodes"])}, leaves_together(topology)
+    expected = Cwbvh().encode(numpys, np.zeros(0))
+    assert np.array_equal(np.asarray(made.records)["vertices"], triangles[made.order])
+    assert arrays["nodes"].dtype == np.uint32 and len(arrays["nodes"]) == pytest.approx(len(expected["nodes"]), rel=0.01)
+    sizes = []
+    for found, order in ((compressed_leaves(arrays), made.order), (compressed_leaves(expected), numpys.order)):
+        held, size = np.zeros(n, int), 0.0
+        for first, count, box in found:
+            members = order[first : first + count]
+            held[members] += 1
+            assert (box[0] <= triangles[members].min(axis=(0, 1))).all() and (box[1] >= triangles[members].max(axis=(0, 1))).all()
+            size += float((box[1] / scale - box[0] / scale).sum())
+        assert (held == 1).all()
+        sizes.append(size)
+    assert sizes[0] == pytest.approx(sizes[1], rel=0.01)
+
+
 @every_layout
 @pytest.mark.parametrize("name", ["scattered", "spot/spot.obj", "broken/soup.stl"])
-def test_rays_meet_what_they_meet_in_a_list(device: cl.Device, layout: Bvh2 | Bvh8, name: str) -> None:
+def test_rays_meet_what_they_meet_in_a_list(device: cl.Device, layout: DeviceLayout, name: str) -> None:
     if layout.name == "bvh8" and is_gpu(device):
         pytest.skip("an eight-wide tree is for CPUs")
     triangles = scattered(3000) if name == "scattered" else mesh_triangles(name)
@@ -150,45 +183,50 @@ def test_rays_meet_what_they_meet_in_a_list(device: cl.Device, layout: Bvh2 | Bv
 def test_a_handful_is_left_to_numpy(device: cl.Device) -> None:
     context = context_of(device)
     made = OnDevice(Bvh8(), context, cl.CommandQueue(context))
-    triangles = scattered(8)
-    tree = made.build(triangles.min(axis=1), triangles.max(axis=1))
-    assert isinstance(tree, Topology) and len(made.encode(tree, np.zeros(8, RECORD))["blocks"]) == 1
+    arrays = made.accelerate(Triangle, np.zeros(8, Triangle.record)).arrays
+    assert isinstance(arrays["blocks"], np.ndarray) and len(arrays["blocks"]) == 1
 
 
 def test_who_builds(device: cl.Device) -> None:
     context = context_of(device)
-    queue = cl.CommandQueue(context)
+    queue, least = cl.CommandQueue(context), FROM_ON_GPU if is_gpu(device) else FROM_ON_CPU
 
     def builds(n: int, wanted: bool | None = None) -> bool:
         return isinstance(on_device(lambda *_: Bvh2(), context, queue, wanted)("triangle", n, True, False), OnDevice)
 
-    assert (builds(FROM - 1), builds(FROM), builds(10, True), builds(FROM, False), builds(1 << 28)) == (False, True, True, False, False)
-    assert isinstance(on_device(lambda *_: Flat(), context, queue, True)("plane", FROM, False, False), Flat)
+    assert (builds(least - 1), builds(least), builds(10, True), builds(least, False), builds(1 << 28)) == (False, True, True, False, False)
+    assert isinstance(on_device(lambda *_: Flat(), context, queue, True)("plane", least, False, False), Flat)
 
 
 def test_numpys_builder_is_not_called(device: cl.Device, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nor does a picture change by who builds the tree."""
+    """Nor does a picture change by who builds the tree: with corners, several objects that shine and another shape."""
     import lumiere
     from lumiere.overrides import Overrides
     from lumiere.rendering import Render
 
     triangles = scattered(500) * 2.0 - 1.0
     mesh = {"type": "mesh", "vertices": triangles.reshape(-1, 3).tolist(), "faces": np.arange(1500).reshape(-1, 3).tolist()}
-    scene = lumiere.load({"scene": {"camera": {"position": [0, 0, 4]}, "film": {"width": 16, "height": 16}, "sampler": {"spp": 2}, "geometry": [mesh],
-                                    "lights": [{"type": "environment", "radiance": 1.0}]}})
-    pictures = []
+    smooth = mesh | {"normals": np.random.default_rng(5).normal(size=(1500, 3)).tolist(), "transform": [{"translate": [0.3, 0, 0.5]}], "emission": 0.5}
+    balls = [{"type": "sphere", "position": [x, 1.2, 0], "radius": 0.1, "emission": 1.0 + x} for x in np.linspace(-1, 1, 12).tolist()]
+    scene = lumiere.load({"scene": {"camera": {"position": [0, 0, 4]}, "film": {"width": 16, "height": 16, "aovs": ["normal", "object_id"]},
+                                    "sampler": {"spp": 2}, "geometry": [mesh, smooth, *balls], "lights": [{"type": "environment", "radiance": 1.0}]}})
+    pictures: list[np.ndarray] = []
+    arrays: list[dict[str, np.ndarray]] = []
     for wanted in (False, True):
         if wanted:
             monkeypatch.setattr("lumiere.accel.bvh2.build", None)
             monkeypatch.setattr("lumiere.accel.bvh8.build", None)
         job = Render(scene, device.name.strip(), overrides=Overrides(build_on_device=wanted))
         job.run()
-        pictures.append(job.image({}).pixels)
+        image = job.image({})
+        pictures.append(np.concatenate([image.pixels, image.aovs["normal"], image.aovs["object_id"][..., None]], axis=-1))
+        arrays.append({name: np.asarray(array) for name, (_, array) in job.wavefront.buffers.arrays.items()})
     assert np.array_equal(*pictures) and pictures[0].std() > 0.01
+    assert {name: (a.dtype, a.shape[1:]) for name, a in arrays[0].items()} == {name: (a.dtype, a.shape[1:]) for name, a in arrays[1].items()}
 
 
 def test_numpy_and_device_agree_on_who_is_where(device: cl.Device) -> None:
     """With blocks no rounding decides: the order of the primitives is numpy's."""
     lower = np.random.default_rng(3).random((20_000, 3)).astype(np.float32)
-    tree = accelerator(device, LAYOUTS[1], "own").build(lower, lower + np.float32(0.01))
-    assert np.array_equal(tree.order, build(lower, lower + np.float32(0.01), WIDTH, block=WIDTH).order)
+    tree = accelerator(device, LAYOUTS[1], "own").builder.build(lower, lower + np.float32(0.01))
+    assert np.array_equal(np.asarray(tree.order), build(lower, lower + np.float32(0.01), WIDTH, block=WIDTH).order)

@@ -161,7 +161,7 @@ def test_wide_nodes_and_blocks_are_well_filled() -> None:
 
 
 def compressed_leaves(arrays: dict[str, np.ndarray]) -> list[tuple[int, int, np.ndarray]]:
-    """First primitive, count and box (2, 3) of every leaf of ``Cwbvh``, as the device decodes them, by a walk that visits each node once."""
+    """First primitive, count and box (2, 3) of every leaf of ``Cwbvh``, the box in float64, by a walk that visits each node once."""
     nodes = arrays["nodes"]
     parts = nodes.view(np.uint8)
     found, waiting, visited = [], [0], 0
@@ -170,7 +170,7 @@ def compressed_leaves(arrays: dict[str, np.ndarray]) -> list[tuple[int, int, np.
         visited += 1
         corner = nodes[node, :3].view(np.float32)
         step = (parts[node, 12:15].astype(np.uint32) << 23).view(np.float32)
-        boxes = corner[:, None] + parts[node, 32:].reshape(2, 3, 8) * step[:, None]
+        boxes = corner[:, None].astype(np.float64) + parts[node, 32:].reshape(2, 3, 8) * step[:, None].astype(np.float64)
         rank = 0
         for slot, meta in enumerate(parts[node, 24:32].tolist()):
             place = meta & 31

@@ -9,7 +9,9 @@ import pyopencl as cl
 
 from lumiere.accel import PACKET_LAYOUTS, Accelerator, layouts
 from lumiere.accel.build import Topology
+from lumiere.device.array import Array
 from lumiere.device.source import assemble, template
+from lumiere.shape.triangle import Triangle
 from tests.contexts import context_of
 
 ACCELERATORS: list[Accelerator] = [layout() for layout in layouts().values()]
@@ -118,17 +120,22 @@ class Tracer:
                  defines: str = "", first: int = 0) -> None:
         triangles = np.ascontiguousarray(triangles, np.float32)
         self.count, self.first = len(triangles), first
-        topology = topology or accelerator.build(triangles.min(axis=1, initial=np.inf), triangles.max(axis=1, initial=-np.inf))
-        self.order = topology.order
-        records = np.zeros(len(triangles), np.dtype([("vertices", "<f4", (3, 3))]))
-        records["vertices"] = triangles[self.order]
-        arrays = accelerator.encode(topology, records) | {"vertices": records["vertices"]}
+        records = np.zeros(len(triangles), Triangle.record)
+        records["vertices"] = triangles
+        if topology is None and len(triangles):
+            made = accelerator.accelerate(Triangle, records)
+            self.order, records, arrays = made.order, made.records, made.arrays
+        else:
+            topology = topology or accelerator.build(*Triangle.bounds(records))
+            self.order, records = topology.order, records[topology.order]
+            arrays = {**accelerator.encode(topology, records)}
+        arrays["vertices"] = records["vertices"]
         types = tuple((name, {"f": "float", "u": "uint"}[array.dtype.kind]) for name, array in arrays.items())
         self.context, self.queue, self.kernel = _program(device, accelerator.name, types, defines)
         self.buffers = [self._upload(array) for array in arrays.values()]
 
-    def _upload(self, array: np.ndarray) -> cl.Buffer:
-        array = np.ascontiguousarray(array) if array.size else np.zeros(16, np.float32)
+    def _upload(self, array: Array) -> cl.Buffer:
+        array = np.ascontiguousarray(array) if array.nbytes else np.zeros(16, np.float32)
         return cl.Buffer(self.context, cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR, hostbuf=array)
 
     def _trace(self, origins: np.ndarray, directions: np.ndarray, t_max: np.ndarray | float, any_hit: bool) -> tuple[np.ndarray, np.ndarray]:

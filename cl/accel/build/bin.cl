@@ -3,10 +3,14 @@
 
 #include "accel/build/histogram.cl"
 
-KERNEL void bin(global const open_t *open, global const chunk_t *chunks, global const float8 *primitives, global const uint *bounds,
-                global uint *histogram_boxes, global uint *histogram_counts, global uint *chunk_counts)
+KERNEL void bin(global const counters_t *counters, const uint level, global const open_t *open, global const chunk_t *chunks,
+                global const float8 *primitives, global const uint *bounds, global uint *histogram_boxes, global uint *histogram_counts,
+                global uint *chunk_counts)
 {
-    uint chunk = (uint)get_group_id(0), local_id = (uint)get_local_id(0), node = chunks[chunk].node;
+    uint chunk = (uint)get_group_id(0), local_id = (uint)get_local_id(0);
+    if (chunk >= counters->chunks[level])
+        return;
+    uint node = chunks[chunk].node;
     uint first = chunks[chunk].first, count = chunks[chunk].count;
     grid_t grid = grid_over(box_of_keys(bounds + 12u * open[node].bounds + 6u));
 #if GROUP > 1

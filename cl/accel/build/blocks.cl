@@ -1,6 +1,7 @@
 // The blocks of triangles of lumiere/accel/bvh8.py, from vertices in leaf order. A leaf lies between two neighbouring splits of the order.
 
-#define WIDTH 8u
+#include "accel/build/wide.cl"
+
 #define ROWS 10u
 
 KERNEL void blocks(global const float *vertices, global const uint *ranks, const uint count, const uint span, global float *blocks)

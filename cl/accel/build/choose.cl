@@ -6,15 +6,15 @@
 
 // Puts a child, its side 0 or 1, among the next level's nodes or the subtrees. Their order is of no account.
 static inline void choose_next(uint slot, uint first, uint count, uint turns, uint bounds, uint level, uint small, uint chunk_size, global open_t *next,
-                               global chunk_t *next_chunks, global subtree_t *subtrees, global uint *counters)
+                               global chunk_t *next_chunks, global subtree_t *subtrees, global counters_t *counters)
 {
     if (count <= small) {
         subtree_t subtree = {slot, first, count, turns, level};
-        subtrees[atomic_inc(counters + COUNTER_SUBTREES)] = subtree;
+        subtrees[atomic_inc(&counters->subtrees)] = subtree;
         return;
     }
-    uint chunk_count = (count + chunk_size - 1u) / chunk_size, node = atomic_inc(counters + COUNTER_OPEN);
-    uint first_chunk = atomic_add(counters + COUNTER_CHUNKS, chunk_count);
+    uint chunk_count = (count + chunk_size - 1u) / chunk_size, node = atomic_inc(counters->open + level);
+    uint first_chunk = atomic_add(counters->chunks + level, chunk_count);
     open_t child = {slot, first, count, turns, bounds, first_chunk};
     next[node] = child;
     for (uint i = 0u; i < chunk_count; i++) {
@@ -24,22 +24,24 @@ static inline void choose_next(uint slot, uint first, uint count, uint turns, ui
     }
 }
 
-KERNEL void choose(global const open_t *open, const uint open_count, global chunk_t *chunks, global const uint *bounds,
-                   global const uint *histogram_boxes, global const uint *histogram_counts, global const uint *chunk_counts, const uint level,
+KERNEL void choose(global counters_t *counters, const uint level, global const open_t *open, global chunk_t *chunks, global const uint *bounds,
+                   global const uint *histogram_boxes, global const uint *histogram_counts, global const uint *chunk_counts,
                    const uint small, const uint chunk_size, global build_node_t *nodes, global uchar *turns, global uint *marks,
-                   global plane_t *planes, global open_t *next, global chunk_t *next_chunks, global subtree_t *subtrees, global uint *counters)
+                   global plane_t *planes, global uint *side_bounds, global open_t *next, global chunk_t *next_chunks, global subtree_t *subtrees)
 {
     uint i = (uint)get_global_id(0);
-    if (i >= open_count)
+    if (i >= counters->open[level])
         return;
+    for (uint side = 0u; side < 24u; side++)
+        side_bounds[24u * i + side] = 0xffffffffu;
     open_t node = open[i];
     float8 box = box_of_keys(bounds + 12u * node.bounds);
     float scale = box_unit_scale(box);
     split_t split = {INFINITY, 0u, NO_PLANE};
-    for (uint axis = 0u; axis < 3u; axis++) {
+    ROLLED for (uint axis = 0u; axis < 3u; axis++) {
         float8 boxes[BINS];
         uint counts[BINS];
-        for (uint b = 0u; b < BINS; b++) {
+        ROLLED for (uint b = 0u; b < BINS; b++) {
             size_t at = 3u * BINS * (size_t)i + axis * BINS + b;
             counts[b] = histogram_counts[at];
             boxes[b] = counts[b] ? box_of_keys(histogram_boxes + 6u * at) : box_nothing();
@@ -57,7 +59,7 @@ KERNEL void choose(global const open_t *open, const uint open_count, global chun
     }
     uint middle = node.first + left;
     plane_t plane = {split.axis, split.last, middle};
-    planes[i] = plane;
+    planes[level * counters->room + i] = plane;
     node_store(nodes, node.slot, box, node.first, middle);
     turns[middle] = (uchar)(node.turns + 1u);
     marks[middle] = 1u;

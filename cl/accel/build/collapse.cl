@@ -1,11 +1,8 @@
 // Which binary nodes become children of wide nodes, for the least area of wide nodes in all (Ylitie et al. 2017, "Efficient Incoherent Ray Traversal on
-// GPUs Through Compressed Wide BVHs", section 3.1), in two walks: `weigh_subtrees` and then, over what is above them, `weigh_top` sum up areas from the
-// leaves; `widen_top` and then `widen_subtrees` choose from the root. What passes between is kept at a subtree's first primitive.
+// GPUs Through Compressed Wide BVHs", section 3.1), in two walks: `weigh_subtrees` and then, for the large nodes, `weigh_level` from the last level up sum up
+// areas from the leaves; `widen_level` from the root down and then `widen_subtrees` choose. What passes between is kept at a node's first primitive.
 
-#include "accel/build/shares.cl"
-#include "accel/build/tree.cl"
-
-#define WIDTH 8u
+#include "accel/build/wide.cl"
 
 // The least area of wide nodes in a subtree that stands for at most 1, …, 7 children, in lanes 0 to 6.
 typedef union {
@@ -55,31 +52,25 @@ static inline float8 collapse_join(float8 left_areas, float8 right_areas, float 
     return result.all;
 }
 
-// The areas of the node at `slot`, over primitives up to `end`; where `count <= small`, those that were kept.
-static inline float8 collapse_weigh(global const build_node_t *nodes, uint slot, uint end, uint small, float scale, global const float8 *kept,
-                                    global uint *shares)
+// The areas of the node at `slot`.
+static inline float8 collapse_weigh(global const build_node_t *nodes, uint slot, float scale, global uint *shares)
 {
     float8 left[MAX_DEPTH];
     float area[MAX_DEPTH];
-    uint pair[MAX_DEPTH], ends[MAX_DEPTH];
+    uint pair[MAX_DEPTH];
     bool on_right[MAX_DEPTH];
     uint depth = 0u;
     for (;;) {
-        float8 areas = (float8)(0.0f);
         global const build_node_t *node = nodes + slot;
         if (!(node->link & LEAF)) {
-            if (end - node->first > small) {
-                area[depth] = box_area(node_box(node), scale);
-                pair[depth] = node->link;
-                ends[depth] = end;
-                on_right[depth] = false;
-                slot = 2u * node->link;
-                end = nodes[slot + 1u].first;
-                depth++;
-                continue;
-            }
-            areas = kept[node->first];
+            area[depth] = box_area(node_box(node), scale);
+            pair[depth] = node->link;
+            on_right[depth] = false;
+            slot = 2u * node->link;
+            depth++;
+            continue;
         }
+        float8 areas = (float8)(0.0f);
         while (depth > 0u && on_right[depth - 1u]) {
             depth--;
             areas = collapse_join(left[depth], areas, area[depth], shares + pair[depth]);
@@ -88,45 +79,43 @@ static inline float8 collapse_weigh(global const build_node_t *nodes, uint slot,
             return areas;
         left[depth - 1u] = areas;
         on_right[depth - 1u] = true;
-        end = ends[depth - 1u];
         slot = 2u * pair[depth - 1u] + 1u;
     }
 }
 
-// Marks the wide nodes of the subtree at `slot`, which may stand for `allowed` children, by their pairs. Keeps for nodes of no more than `small`
-// primitives how many they may stand for.
-static inline void collapse_widen(global const build_node_t *nodes, uint slot, uint end, uint allowed, uint small, global const uint *shares,
-                                  global uint *wide, global float8 *kept)
+// Of the children that the node above a pair may stand for, how many its left child should; `allowed` then says how many both should. Marks the pair
+// where a wide node begins with it.
+static inline uint collapse_open(uint pair, uint *allowed, global const uint *shares, global uint *wide)
 {
-    uint slots[MAX_DEPTH], ends[MAX_DEPTH], alloweds[MAX_DEPTH];
+    uint share = share_of(shares[pair], *allowed);
+    if (share == 0u) {
+        wide[pair] = 1u;
+        *allowed = WIDTH;
+        share = share_of(shares[pair], WIDTH);
+    }
+    return share;
+}
+
+// Marks the wide nodes of the subtree at `slot`, which may stand for `allowed` children.
+static inline void collapse_widen(global const build_node_t *nodes, uint slot, uint allowed, global const uint *shares, global uint *wide)
+{
+    uint slots[MAX_DEPTH], alloweds[MAX_DEPTH];
     uint waiting = 0u;
     for (;;) {
-        global const build_node_t *node = nodes + slot;
-        if (!(node->link & LEAF)) {
-            uint pair = node->link;
-            if (end - node->first > small) {
-                uint share = share_of(shares[pair], allowed);
-                if (share == 0u) {
-                    wide[pair] = 1u;
-                    allowed = WIDTH;
-                    share = share_of(shares[pair], WIDTH);
-                }
-                slots[waiting] = 2u * pair + 1u;
-                ends[waiting] = end;
-                alloweds[waiting] = allowed - share;
-                waiting++;
-                slot = 2u * pair;
-                end = nodes[2u * pair + 1u].first;
-                allowed = share;
-                continue;
-            }
-            kept[node->first] = (float8)((float)allowed);
+        uint pair = nodes[slot].link;
+        if (!(pair & LEAF)) {
+            uint share = collapse_open(pair, &allowed, shares, wide);
+            slots[waiting] = 2u * pair + 1u;
+            alloweds[waiting] = allowed - share;
+            waiting++;
+            slot = 2u * pair;
+            allowed = share;
+            continue;
         }
         if (waiting == 0u)
             return;
         waiting--;
         slot = slots[waiting];
-        end = ends[waiting];
         allowed = alloweds[waiting];
     }
 }
@@ -137,27 +126,40 @@ KERNEL void weigh_subtrees(global const subtree_t *roots, const uint root_count,
     uint root = (uint)get_global_id(0);
     if (root >= root_count)
         return;
-    float scale = box_unit_scale(node_box(nodes));
-    kept[roots[root].first] = collapse_weigh(nodes, roots[root].slot, roots[root].first + roots[root].count, 0u, scale, kept, shares);
+    kept[roots[root].first] = collapse_weigh(nodes, roots[root].slot, box_unit_scale(node_box(nodes)), shares);
 }
 
-KERNEL void weigh_top(const uint count, const uint small, global const build_node_t *nodes, global const float8 *kept, global uint *shares)
+KERNEL void weigh_level(global const counters_t *counters, const uint level, global const plane_t *planes, global const build_node_t *nodes,
+                        global float8 *kept, global uint *shares)
 {
-    if (count > small)
-        collapse_weigh(nodes, 0u, count, small, box_unit_scale(node_box(nodes)), kept, shares);
+    uint i = (uint)get_global_id(0);
+    if (i >= counters->open[level])
+        return;
+    uint pair = planes[level * counters->room + i].middle;
+    float8 left = node_box(nodes + 2u * pair), right = node_box(nodes + 2u * pair + 1u);
+    uint first = nodes[2u * pair].first;
+    kept[first] = collapse_join(kept[first], kept[nodes[2u * pair + 1u].first], box_area(box_join(left, right), box_unit_scale(node_box(nodes))),
+                                shares + pair);
 }
 
-KERNEL void widen_top(const uint count, const uint small, global const build_node_t *nodes, global float8 *kept, global const uint *shares,
-                      global uint *wide)
+KERNEL void widen_level(global const counters_t *counters, const uint level, global const plane_t *planes, global const build_node_t *nodes,
+                        global float8 *kept, global const uint *shares, global uint *wide)
 {
-    collapse_widen(nodes, 0u, count, 1u, small, shares, wide, kept);
+    uint i = (uint)get_global_id(0);
+    if (i >= counters->open[level])
+        return;
+    uint pair = planes[level * counters->room + i].middle, first = nodes[2u * pair].first;
+    uint allowed = level > 0u ? (uint)kept[first].s0 : 1u, share = collapse_open(pair, &allowed, shares, wide);
+    kept[first] = (float8)((float)share);
+    kept[nodes[2u * pair + 1u].first] = (float8)((float)(allowed - share));
 }
 
-KERNEL void widen_subtrees(global const subtree_t *roots, const uint root_count, global const build_node_t *nodes, global float8 *kept,
-                           global const uint *shares, global uint *wide)
+// `allowed`: for the root, where it is not large; else 0.
+KERNEL void widen_subtrees(global const subtree_t *roots, const uint root_count, const uint allowed, global const build_node_t *nodes,
+                           global const float8 *kept, global const uint *shares, global uint *wide)
 {
     uint root = (uint)get_global_id(0);
     if (root >= root_count)
         return;
-    collapse_widen(nodes, roots[root].slot, roots[root].first + roots[root].count, (uint)kept[roots[root].first].s0, 0u, shares, wide, kept);
+    collapse_widen(nodes, roots[root].slot, allowed ? allowed : (uint)kept[roots[root].first].s0, shares, wide);
 }

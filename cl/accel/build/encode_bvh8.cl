@@ -1,9 +1,6 @@
 // The arrays of lumiere/accel/bvh8.py, a pair of nodes at a time. Wide nodes have the order of their pairs, but the root comes first.
 
-#include "accel/build/shares.cl"
-#include "accel/build/tree.cl"
-
-#define WIDTH 8u
+#include "accel/build/wide.cl"
 
 static inline uint bvh8_number(global const uint *wide_ranks, uint pair, uint root)
 {
@@ -11,26 +8,10 @@ static inline uint bvh8_number(global const uint *wide_ranks, uint pair, uint ro
     return pair == root ? 0u : number < of_root ? number + 1u : number;
 }
 
-// The children of the wide node that begins with a pair, as slots, by growing area. Returns how many.
+// The children of the wide node that begins with a pair, as slots of binary nodes, by growing area. Returns how many.
 static inline uint bvh8_children(global const build_node_t *nodes, global const uint *shares, uint pair, float scale, uint *slots)
 {
-    uint allowed[WIDTH], count = 2u;
-    slots[0] = 2u * pair;
-    slots[1] = 2u * pair + 1u;
-    allowed[0] = share_of(shares[pair], WIDTH);
-    allowed[1] = WIDTH - allowed[0];
-    for (uint i = 0u; i < count;) {
-        uint link = nodes[slots[i]].link, share = link & LEAF ? 0u : share_of(shares[link], allowed[i]);
-        if (share == 0u) {
-            i++;
-            continue;
-        }
-        slots[count] = 2u * link + 1u;
-        allowed[count] = allowed[i] - share;
-        count++;
-        slots[i] = 2u * link;
-        allowed[i] = share;
-    }
+    uint count = wide_children(nodes, shares, pair, slots);
     float areas[WIDTH];
     for (uint i = 0u; i < count; i++) {
         uint slot = slots[i], at = i;

@@ -4,7 +4,7 @@
 
 static inline void histogram_fill(float8 *boxes, uint *counts, global const float8 *primitives, uint count, const grid_t *grid)
 {
-    for (uint i = 0u; i < 3u * BINS; i++) {
+    ROLLED for (uint i = 0u; i < 3u * BINS; i++) {
         boxes[i] = box_nothing();
         counts[i] = 0u;
     }

@@ -1,5 +1,5 @@
 // The primitives of a level's large nodes, the left side's before the right's, into another buffer; and the bounds of either side. A chunk a work-group,
-// in which each work-item takes a run of neighbours, so that everything keeps its order.
+// in which each work-item takes a run of neighbours, so that everything keeps its order. The node's histogram has been read and is emptied for the next level.
 
 #include "accel/build/split.cl"
 
@@ -20,12 +20,22 @@ static inline void box_join_group(local uint *keys, float8 box)
     atomic_min(keys + 5, float_key(box.s6));
 }
 
-KERNEL void partition(global const open_t *open, global const chunk_t *chunks, global const plane_t *planes, global const float8 *primitives,
-                      global const uint *bounds, global float8 *parted, global uint *side_bounds)
+KERNEL void partition(global const counters_t *counters, const uint level, global const open_t *open, global const chunk_t *chunks,
+                      global const plane_t *planes, global const float8 *primitives, global const uint *bounds, global float8 *parted,
+                      global uint *side_bounds, global uint *histogram_boxes, global uint *histogram_counts)
 {
-    uint chunk = (uint)get_group_id(0), local_id = (uint)get_local_id(0), node = chunks[chunk].node;
+    uint chunk = (uint)get_group_id(0), local_id = (uint)get_local_id(0);
+    if (chunk >= counters->chunks[level])
+        return;
+    uint node = chunks[chunk].node;
+    if (chunk == open[node].first_chunk) {
+        for (uint i = local_id; i < 6u * 3u * BINS; i += GROUP)
+            histogram_boxes[6u * 3u * BINS * (size_t)node + i] = 0xffffffffu;
+        for (uint i = local_id; i < 3u * BINS; i += GROUP)
+            histogram_counts[3u * BINS * (size_t)node + i] = 0u;
+    }
     grid_t grid = grid_over(box_of_keys(bounds + 12u * open[node].bounds + 6u));
-    plane_t plane = planes[node];
+    plane_t plane = planes[level * counters->room + node];
     uint run = (chunks[chunk].count + GROUP - 1u) / GROUP, count = chunks[chunk].count;
     uint begin = min(local_id * run, count), end = min(begin + run, count), first = chunks[chunk].first;
     uint left = chunks[chunk].left;

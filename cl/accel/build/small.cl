@@ -14,7 +14,7 @@ static inline float small_centre(float8 box, uint axis)
 static inline split_t small_split(global const float8 *primitives, uint count, uint largest, float scale, uint *sides)
 {
     split_t split = {INFINITY, 0u, NO_PLANE};
-    for (uint axis = 0u; axis < 3u; axis++) {
+    ROLLED for (uint axis = 0u; axis < 3u; axis++) {
         float8 by_rank[SMALL];
         uint ones[SMALL] = {1u, 1u, 1u, 1u}, ranks[SMALL];
         for (uint i = 0u; i < count; i++) {

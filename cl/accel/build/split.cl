@@ -58,14 +58,14 @@ static inline void split_sweep(split_t *best, uint axis, const float8 *boxes, co
     float left_cost[BINS];
     float8 box = box_nothing();
     uint left = 0u;
-    for (uint i = 0u; i + 1u < bins; i++) {
+    ROLLED for (uint i = 0u; i + 1u < bins; i++) {
         box = box_join(box, boxes[i]);
         left += counts[i];
         left_cost[i] = box_area(box, scale) * (float)blocks_of(left);
     }
     box = box_nothing();
     uint right = 0u;
-    for (uint i = bins - 1u; i-- > 0u;) {
+    ROLLED for (uint i = bins - 1u; i-- > 0u;) {
         box = box_join(box, boxes[i + 1u]);
         right += counts[i + 1u];
         left = total - right;

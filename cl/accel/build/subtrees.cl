@@ -18,12 +18,12 @@ static inline split_t subtree_split(const pending_t *node, const grid_t *grid, g
     histogram_fill(boxes, counts, own, node->count, grid);
     split_t split = {INFINITY, 0u, NO_PLANE};
     float scale = box_unit_scale(node->box);
-    for (uint axis = 0u; axis < 3u; axis++)
+    ROLLED for (uint axis = 0u; axis < 3u; axis++)
         split_sweep(&split, axis, boxes + axis * BINS, counts + axis * BINS, BINS, node->count, largest, scale);
     if (split.last != NO_PLANE) {
         left->box = right->box = box_nothing();
         left->count = 0u;
-        for (uint i = 0u; i < BINS; i++) {
+        ROLLED for (uint i = 0u; i < BINS; i++) {
             float8 box = boxes[split.axis * BINS + i];
             if (i <= split.last) {
                 left->box = box_join(left->box, box);
