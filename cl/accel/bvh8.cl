@@ -10,8 +10,8 @@
 // A child on the stack: its distance above its number. It is fetched, since a ray that meets it is likely to come there.
 static inline ulong SHAPE_FUNCTION(entry)(const scene_t *scene, uint child, float enter)
 {
-    BVH8_PREFETCH(child & BVH8_LEAF ? SHAPE_BUFFER(blocks) + BVH8_BLOCK * (size_t)(child & ~BVH8_LEAF)
-                                    : (global const float *)SHAPE_BUFFER(nodes) + 64 * (size_t)child);
+    bvh8_fetch(child & BVH8_LEAF ? SHAPE_BUFFER(blocks) + BVH8_BLOCK * (size_t)(child & ~BVH8_LEAF)
+                                 : (global const float *)SHAPE_BUFFER(nodes) + 64 * (size_t)child);
     return ((ulong)as_uint(enter) << 32) | child;
 }
 

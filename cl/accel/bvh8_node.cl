@@ -7,21 +7,23 @@
 #define BVH8_BLOCK 80u  // words a block
 #define BVH8_STACK 352  // seven more a level, over the 48 levels that a topology has at most, and a node's eight
 
-#if defined(__has_builtin)
+// The four lines of a node, or the first four of a block, into the caches of a CPU; where the compiler has no such thing, nothing.
+#if defined(CPU) && defined(__has_builtin)
 #if __has_builtin(__builtin_prefetch)
-static inline void bvh8_prefetch(global const float *words)
+#define BVH8_FETCH_LINE(words, line) __builtin_prefetch((const void *)(size_t)((words) + 16 * (line)), 0, 3)
+#endif
+#endif
+#ifndef BVH8_FETCH_LINE
+#define BVH8_FETCH_LINE(words, line)
+#endif
+
+static inline void bvh8_fetch(global const float *words)
 {
-    __builtin_prefetch((const void *)(size_t)words, 0, 3);
-    __builtin_prefetch((const void *)(size_t)(words + 16), 0, 3);
-    __builtin_prefetch((const void *)(size_t)(words + 32), 0, 3);
-    __builtin_prefetch((const void *)(size_t)(words + 48), 0, 3);
+    BVH8_FETCH_LINE(words, 0);
+    BVH8_FETCH_LINE(words, 1);
+    BVH8_FETCH_LINE(words, 2);
+    BVH8_FETCH_LINE(words, 3);
 }
-#define BVH8_PREFETCH bvh8_prefetch
-#endif
-#endif
-#ifndef BVH8_PREFETCH
-#define BVH8_PREFETCH(words)
-#endif
 
 typedef struct {
     float3 o;

@@ -56,7 +56,8 @@ def _defines(features: Features, policy: Policy) -> str:
         "SURFACE_TANGENT": features.surface_tangent, "SURFACE_COLOR": features.surface_color,
         "VERTEX_LANES": features.sampler in SAMPLERS_IN_LANES and not policy.compacted, "RAY_PACKETS": features.ray_packets,
         "INFINITE_LIGHTS": bool(features.infinite_lights), "SAMPLER_STRATA": features.sampler == "stratified",
-        "QUEUES_COMPACTED": policy.compacted, "GROUPS_LEAVE": policy.groups_leave, f"LIGHT_SAMPLING_{features.light_sampling.upper()}": True,
+        "QUEUES_COMPACTED": policy.compacted, "GROUPS_LEAVE": policy.groups_leave, "CPU": not policy.groups_leave,
+        f"LIGHT_SAMPLING_{features.light_sampling.upper()}": True,
         "FIRST_HIT_AOVS": any(name in FIRST_HIT_AOVS for name in features.aovs),
     }
     chunk, bases = min(CHUNK, policy.work_group), -(-len(queues) // 2) * 2

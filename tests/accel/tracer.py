@@ -12,6 +12,7 @@ from lumiere.accel.build import Topology
 from lumiere.device.array import Array
 from lumiere.device.source import assemble, template
 from lumiere.shape.triangle import Triangle
+from lumiere.wavefront.policy import is_gpu
 from tests.contexts import context_of
 
 ACCELERATORS: list[Accelerator] = [layout() for layout in layouts().values()]
@@ -109,6 +110,7 @@ def _program(device: cl.Device, layout: str, arrays: tuple[tuple[str, str], ...]
     context = context_of(device)
     kernel = PACKET_KERNEL if layout in PACKET_LAYOUTS else KERNEL
     kernel %= ("".join(f"global const {c_type} *{name}, " for name, c_type in arrays), "".join(f"{name}, " for name, _ in arrays))
+    defines += "" if is_gpu(device) else "#define CPU\n"
     text = assemble("trace.cl", defines, {"trace.cl": scene_struct(dict(arrays)) + SHAPE + template(f"accel/{layout}.cl") + kernel})
     return context, cl.CommandQueue(context), cl.Kernel(cl.Program(context, text).build(), "trace")
 
