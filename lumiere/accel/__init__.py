@@ -29,6 +29,9 @@ class Accelerator(Protocol):
 
     name: ClassVar[str]
     triangles_only: ClassVar[bool]
+    holds_references: ClassVar[bool]
+    """Leaves may share a primitive: ``encode`` takes a topology's ``references`` and keeps them as an array, which the traversal reads
+    where SHAPE_PRIMITIVE does (cl/accel/template.cl)."""
 
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """The topology over boxes (n, 3) float32; ``order`` is the order in which the primitives have to be stored."""

@@ -25,6 +25,7 @@ class Bvh8:
 
     name: ClassVar[str] = "bvh8"
     triangles_only: ClassVar[bool] = True
+    holds_references: ClassVar[bool] = True
     max_leaf_size: ClassVar[int] = WIDTH
     block: ClassVar[int] = WIDTH
 
@@ -50,13 +51,14 @@ class Bvh8:
         reference = np.where(present, reference, 0)
         first, count = topology.first[leaves].astype(np.int64), topology.count[leaves].astype(np.int64)
         members = first[:, None] + np.minimum(np.arange(WIDTH), count[:, None] - 1)
+        members = members if topology.references is None else topology.references[members]
         blocks = records["vertices"].reshape(-1, 9)[members]  # (b, 8, 9)
         nodes = np.zeros((len(boxes), 8, WIDTH), np.uint32)
         nodes[:, :6] = np.ascontiguousarray(np.moveaxis(boxes, 1, 2), np.float32).view(np.uint32)
         nodes[:, 6] = reference
         return {"nodes": nodes,
                 "blocks": np.ascontiguousarray(np.moveaxis(blocks, 1, 2), np.float32),
-                "ranges": ((count - 1) << COUNT_SHIFT | first).astype(np.uint32)}
+                "ranges": ((count - 1) << COUNT_SHIFT | first).astype(np.uint32), **topology.reference_arrays}
 
 
 def by_area(topology: Topology, children: np.ndarray) -> np.ndarray:

@@ -35,6 +35,7 @@ class Cwbvh:
 
     name: ClassVar[str] = "cwbvh"
     triangles_only: ClassVar[bool] = False
+    holds_references: ClassVar[bool] = False
 
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """A SAH topology with leaves of at most 3, whose ``order`` has the leaves of each wide node together: inner nodes are no ranges of it."""

@@ -14,6 +14,7 @@ class Flat:
 
     name: ClassVar[str] = "flat"
     triangles_only: ClassVar[bool] = False
+    holds_references: ClassVar[bool] = False
 
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """One leaf, the primitives in their own order."""
