@@ -1,8 +1,8 @@
-"""Measures the layouts of accelerators on a device, in turn: rays a second from the camera, after a bounce and to lights, what they visit, and bytes.
+"""Measures the accelerators on a device, in turn: rays a second from the camera, after a bounce and to lights, what they visit, and bytes.
 
     python tools/accelerators.py [SCENE] [--device D] [--layouts L …] [--width W] [--height H] [--spp N] [--repeats N] [--json F]
 
-At most 7 scattering events, no roulette. All samples are in flight at once, so that a launch of
+An accelerator is a layout, or LAYOUT_spatial for one with spatial splits. At most 7 scattering events, no roulette. All samples are in flight at once, so that a launch of
 extend traces camera rays only, or rays of one bounce. Times are the device's, of kernels that also read and write the paths' state; medians.
 """
 
@@ -88,7 +88,7 @@ def prepare(scene: Any, layout: str, device: str | None) -> Candidate:
         raise SystemExit(f"found {samples:,} samples, expected at most {render.wavefront.policy.batch:,} in one batch; take a smaller picture")
     buffers = render.wavefront.buffers
     trees = [name for shape in buffers.features.shapes for name in buffers.arrays
-             if name.startswith(f"{shape}_") and name.removeprefix(f"{shape}_") in ("nodes", "children", "blocks", "ranges", "vertices")]
+             if name.startswith(f"{shape}_") and name.removeprefix(f"{shape}_") in ("nodes", "children", "blocks", "ranges", "references", "vertices")]
     found = Candidate(layout, render, render.seconds["accelerator"], sum(buffers.arrays[name][1].nbytes for name in trees) / 1e6)
     found.run()
     return found
@@ -123,14 +123,14 @@ def table(rows: list[dict[str, Any]]) -> str:
 
 def main() -> int:
     from lumiere import api
-    from lumiere.accel import layouts
+    from lumiere.accel import names
     from lumiere.device.select import choose
     from lumiere.wavefront.policy import is_gpu
 
     parser = argparse.ArgumentParser(description="Measure the layouts of accelerators.")
     parser.add_argument("scene", nargs="?", default="million", help=f"a file, or one of the benchmark's: {', '.join(SCENES)} (default: million)")
     parser.add_argument("--device")
-    parser.add_argument("--layouts", nargs="+", default=[name for name in layouts() if name != "flat"])
+    parser.add_argument("--layouts", nargs="+", default=[name for name in names() if name != "flat"])
     parser.add_argument("--width", type=int)
     parser.add_argument("--height", type=int)
     parser.add_argument("--spp", type=int)

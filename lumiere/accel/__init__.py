@@ -24,6 +24,10 @@ PACKET_LAYOUTS = ("flat16",)
 """Layouts that sixteen rays traverse at once (cl/accel/packet.cl)."""
 
 
+SPATIAL = "_spatial"
+"""Ends the name of an accelerator that builds its layout's trees with spatial splits (lumiere/accel/spatial.py)."""
+
+
 class Accelerator(Protocol):
     """A builder and a layout. ``cl/accel/{name}.cl`` traverses what ``encode`` makes."""
 
@@ -75,14 +79,21 @@ def layouts() -> dict[str, type[Accelerator]]:
     return found
 
 
+def names() -> list[str]:
+    """What ``preferring`` takes: every layout, and with spatial splits those whose leaves can share triangles."""
+    return sorted([*layouts(), *(f"{name}{SPATIAL}" for name, layout in layouts().items() if layout.holds_references)])
+
+
 def preferring(name: str) -> Choice:
-    """Chooses the layout called ``name`` for all that it can hold, on any device. Raises UsageError where there is none."""
-    layout = layouts().get(name)
-    if layout is None:
-        raise UsageError(f"found the accelerator '{name}', expected one of {', '.join(layouts())}")
+    """Chooses the accelerator called ``name`` for all that it can hold, on any device. Raises UsageError where there is none."""
+    from lumiere.accel.spatial import with_spatial_splits
+
+    if name not in names():
+        raise UsageError(f"found the accelerator '{name}', expected one of {', '.join(names())}")
+    layout = layouts()[name.removesuffix(SPATIAL)]
 
     def chosen(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelerator:
         holds = bounded and (shape == "triangle" or not layout.triangles_only)
         return layout() if holds else choose(shape, n_primitives, bounded, wide)
 
-    return chosen
+    return with_spatial_splits(chosen) if name.endswith(SPATIAL) else chosen

@@ -7,7 +7,6 @@ reference each with the box of its part. So what is split here are references: a
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
@@ -16,8 +15,8 @@ from lumiere.accel.build import BINS, MAX_DEPTH, Topology, best_splits, blocks, 
 from lumiere.shape import outwards
 from lumiere.shape.triangle import Triangle
 
-LEAST_OVERLAP = 1e-5
-"""Of the children of an object split, as a part of the root's area, for a spatial one to be tried (the paper's α)."""
+LEAST_OVERLAP = 1e-4
+"""Of the children of an object split, as a part of the root's area, for a spatial one to be tried (the paper's α; docs/performance.md)."""
 
 MOST_REFERENCES = 1.3
 """A triangle, on average: what the paper found enough for most of the gain."""
@@ -26,13 +25,11 @@ PADDING = 2.0**-20
 """By so much of the triangle's largest extent is a part's box wider than the part: by as much may rounding displace the vertices, seen from a place
 within that extent (shape/triangle_test.cl), so that a ray may meet the triangle just beside its part. Farther off, slabs have a margin of their own."""
 
-PAIRS_AT_ONCE = 1 << 18
+AT_ONCE = 1 << 12
 
 
 class SpatialSplits:
     """What ``layout`` makes of a topology with spatial splits. Only for triangles: it has ``build_triangles`` in place of ``build``."""
-
-    triangles_only: ClassVar[bool] = True
 
     def __init__(self, layout: Accelerator) -> None:
         if not layout.holds_references:
@@ -66,7 +63,7 @@ def build(vertices: np.ndarray, max_leaf_size: int = 4, traversal_cost: float = 
     lower, upper = Triangle.bounds(np.rec.fromarrays([np.asarray(vertices, np.float32)], names="vertices"))
     if not len(lower):
         return single_leaf(lower, upper)
-    corners = np.ascontiguousarray(np.moveaxis(vertices, 0, -1), np.float64)  # (vertex, axis, triangle)
+    ascending = along_each_axis(np.asarray(vertices, np.float32))
     spare = int((MOST_REFERENCES - 1.0) * len(lower))
     levels: list[tuple[np.ndarray, ...]] = []
     held: list[np.ndarray] = []
@@ -87,7 +84,7 @@ def build(vertices: np.ndarray, max_leaf_size: int = 4, traversal_cost: float = 
 
         # No child has more references than its parent, so that in a child that may have as many any spatial split keeps the depth.
         tried = open_nodes & (count <= largest_child) & (_overlap(boxes, start, goes_left) > LEAST_OVERLAP * root_area)
-        planes = _best_planes(corners, ids, boxes, start, count, np.flatnonzero(tried), low, high, block)
+        planes = _best_planes(ascending, ids, boxes, start, count, np.flatnonzero(tried), low, high, block)
         spatial = (planes.cost < split.cost) & ((count > max_leaf_size) | (traversal_cost * area + planes.cost < whole))
         by_gain = np.argsort(np.subtract(planes.cost, split.cost, out=np.full(len(count), np.inf), where=spatial), kind="stable")
         spatial[by_gain[np.cumsum(np.where(spatial, planes.extra, 0)[by_gain]) > spare]] = False
@@ -100,7 +97,7 @@ def build(vertices: np.ndarray, max_leaf_size: int = 4, traversal_cost: float = 
         of_kept = np.repeat(keep_whole, count)
         held.append(ids[of_kept])
 
-        to_left, to_right, left_boxes, right_boxes = _parted(corners, ids, boxes, start, count, goes_left, spatial, planes)
+        to_left, to_right, left_boxes, right_boxes = _parted(ascending, ids, boxes, start, count, goes_left, spatial, planes)
         to_left, to_right = to_left & ~of_kept, to_right & ~of_kept
         child = 2 * np.repeat(np.cumsum(~keep_whole) - 1, count)
         child = np.concatenate([child[to_left], child[to_right] + 1])
@@ -158,7 +155,7 @@ class _Planes:
     extra: np.ndarray
 
 
-def _best_planes(corners: np.ndarray, ids: np.ndarray, boxes: np.ndarray, start: np.ndarray, count: np.ndarray, nodes: np.ndarray,
+def _best_planes(ascending: np.ndarray, ids: np.ndarray, boxes: np.ndarray, start: np.ndarray, count: np.ndarray, nodes: np.ndarray,
                  low: np.ndarray, high: np.ndarray, block: int) -> _Planes:
     """Those of ``nodes``, of whose boxes ``low`` and ``high`` (3, m) are corners."""
     best = _Planes(np.full(len(count), np.inf), np.zeros(len(count), np.int64), np.zeros(len(count)), np.zeros(len(count), np.int64))
@@ -187,15 +184,17 @@ def _best_planes(corners: np.ndarray, ids: np.ndarray, boxes: np.ndarray, start:
         lone = np.flatnonzero(first == last)
         widen(node_of[lone] * BINS + first[lone], boxes[:3, lone], boxes[3:, lone])
         crossing = np.flatnonzero(first < last)
-        for some in np.split(crossing, range(PAIRS_AT_ONCE // BINS, len(crossing), PAIRS_AT_ONCE // BINS)):
+        for some in np.split(crossing, range(AT_ONCE, len(crossing), AT_ONCE)):
             spans = last[some] - first[some] + 1
-            reference, bins = np.repeat(some, spans), ranges(first[some], spans)
-            node = node_of[reference]
-            begin = origin[node] + bins * width[node]
-            lower, upper = clip(corners[:, :, ids[reference]], axis, begin, begin + width[node])
-            lower, upper = np.maximum(lower, boxes[:3, reference]), np.minimum(upper, boxes[3:, reference])
+            planes = np.repeat(origin[node_of[some]], spans + 1) + ranges(first[some], spans + 1) * np.repeat(width[node_of[some]], spans + 1)
+            ends_at = np.cumsum(spans + 1)
+            planes[ends_at - spans - 1], planes[ends_at - 1] = boxes[axis, some], boxes[axis + 3, some]
+            triangles = ascending[axis][:, :, ids[some]].astype(np.float64)
+            lower, upper = slices(triangles, triangles[:, axis], planes, spans)
+            of = np.repeat(some, spans)
+            lower, upper = np.maximum(lower, boxes[:3, of]), np.minimum(upper, boxes[3:, of])
             there = (lower <= upper).all(axis=0)
-            widen((node * BINS + bins)[there], lower[:, there], upper[:, there])
+            widen((node_of[of] * BINS + ranges(first[some], spans))[there], lower[:, there], upper[:, there])
 
         bin_low, bin_high = bin_low.reshape(3, -1, BINS), bin_high.reshape(3, -1, BINS)
         left_count = np.cumsum(begins, axis=1)[:, :-1]
@@ -214,28 +213,44 @@ def _best_planes(corners: np.ndarray, ids: np.ndarray, boxes: np.ndarray, start:
     return best
 
 
-def clip(corners: np.ndarray, axis: int | np.ndarray, begin: np.ndarray | float, end: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds (3, n), twice, of the parts of triangles between ``begin`` and ``end`` along an axis, (inf, −inf) where there is none: of the vertices there,
-    and of the points where edges cross (Sutherland & Hodgman 1974). ``corners``: (vertex, axis, n) float64; ``axis``: one, or one each, (n,).
+def along_each_axis(vertices: np.ndarray) -> np.ndarray:
+    """Triangles (n, 3, 3) with their vertices in ascending order along each axis: (axis, vertex, coordinate, n)."""
+    order = np.argsort(vertices, axis=1)  # of the vertices, along each coordinate
+    return np.stack([np.moveaxis(np.take_along_axis(vertices, order[:, :, axis, None], axis=1), 0, -1) for axis in range(3)])
+
+
+def section(ascending: np.ndarray, along: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds (3, n), twice, of where planes cut triangles, whose vertices, (vertex, coordinate, n) float64, ascend ``along`` an axis, (vertex, n): on the
+    edge from the first to the last, and on one that meets the middle one. A plane beyond the triangle gives the vertex next to it.
     """
-    along = corners[:, axis] if isinstance(axis, int) else corners[:, axis, np.arange(corners.shape[2])]
-    lower, upper = np.full(corners.shape[1:], np.inf), np.full(corners.shape[1:], -np.inf)
+    def point(first: np.ndarray, last: np.ndarray, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+        part = np.divide(at - begin, end - begin, out=np.zeros_like(begin), where=end > begin)
+        return first + np.clip(part, 0.0, 1.0) * (last - first)
 
-    def include(points: np.ndarray, which: np.ndarray) -> None:
-        np.minimum(lower, points, out=lower, where=which)
-        np.maximum(upper, points, out=upper, where=which)
+    below = at < along[1]
+    one = point(ascending[0], ascending[2], along[0], along[2])
+    other = point(np.where(below, ascending[0], ascending[1]), np.where(below, ascending[1], ascending[2]),
+                  np.where(below, along[0], along[1]), np.where(below, along[1], along[2]))
+    return np.minimum(one, other), np.maximum(one, other)
 
-    for vertex in range(3):
-        here, before = along[vertex], along[vertex - 1]
-        include(corners[vertex], (begin <= here) & (here <= end))
-        for plane in (begin, end):
-            crosses = (before < plane) != (here < plane)
-            part = np.divide(plane - before, here - before, out=np.zeros_like(here), where=crosses)
-            include(corners[vertex - 1] + part * (corners[vertex] - corners[vertex - 1]), crosses)
+
+def slices(ascending: np.ndarray, along: np.ndarray, planes: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds (3, m), twice, of what planes slice triangles into (Sutherland & Hodgman 1974: the cuts, and the vertices between them), triangle after
+    triangle. ``ascending``, ``along``: of n triangles as for ``section``; ``planes``: ``count`` + 1 of them for each, ascending; ``count``: (n,), of sum m.
+    """
+    triangle = np.repeat(np.arange(len(count)), count + 1)
+    lower, upper = section(ascending[..., triangle], along[:, triangle], planes)
+    first = np.cumsum(count + 1) - count - 1
+    begin = ranges(first, count)  # the plane before each slice
+    lower, upper = np.minimum(lower[:, begin], lower[:, begin + 1]), np.maximum(upper[:, begin], upper[:, begin + 1])
+    triangle = np.repeat(np.arange(len(count)), count)
+    middle = np.flatnonzero((planes[begin] <= along[1, triangle]) & (along[1, triangle] <= planes[begin + 1]))
+    vertex = ascending[1][:, triangle[middle]]
+    lower[:, middle], upper[:, middle] = np.minimum(lower[:, middle], vertex), np.maximum(upper[:, middle], vertex)
     return lower, upper
 
 
-def _parted(corners: np.ndarray, ids: np.ndarray, boxes: np.ndarray, start: np.ndarray, count: np.ndarray, goes_left: np.ndarray, spatial: np.ndarray,
+def _parted(ascending: np.ndarray, ids: np.ndarray, boxes: np.ndarray, start: np.ndarray, count: np.ndarray, goes_left: np.ndarray, spatial: np.ndarray,
             planes: _Planes) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Which references go left and which right, some both ways in ``spatial`` nodes, and their boxes on either side."""
     to_left, to_right, left_boxes, right_boxes = goes_left.copy(), ~goes_left, boxes.copy(), boxes.copy()
@@ -249,11 +264,13 @@ def _parted(corners: np.ndarray, ids: np.ndarray, boxes: np.ndarray, start: np.n
     to_right[cut] = end > at
     crosses = (begin < at) & (end > at)
     cut, axis, at = cut[crosses], axis[crosses], at[crosses]
-    triangles = corners[:, :, ids[cut]]
+    triangles = np.moveaxis(ascending[axis, :, :, ids[cut]].astype(np.float64), 0, -1)
     padding = PADDING * np.ptp(triangles, axis=0).max(axis=0)
-    for side, to_side, side_boxes, other in (((-np.inf, at), to_left, left_boxes, to_right), ((at, np.inf), to_right, right_boxes, to_left)):
-        lower, upper = outwards(*(bound + sign * padding for sign, bound in zip((-1.0, 1.0), clip(triangles, axis, *side), strict=True)))
-        side_boxes[:3, cut], side_boxes[3:, cut] = np.maximum(lower, boxes[:3, cut]), np.minimum(upper, boxes[3:, cut])
+    cuts = np.stack([boxes[axis, cut], at, boxes[axis + 3, cut]], axis=1).ravel()
+    lower, upper = slices(triangles, triangles[:, axis, np.arange(len(cut))], cuts, np.full(len(cut), 2))
+    lower, upper = outwards(lower - np.repeat(padding, 2), upper + np.repeat(padding, 2))
+    for side, to_side, side_boxes, other in ((0, to_left, left_boxes, to_right), (1, to_right, right_boxes, to_left)):
+        side_boxes[:3, cut], side_boxes[3:, cut] = np.maximum(lower[:, side::2], boxes[:3, cut]), np.minimum(upper[:, side::2], boxes[3:, cut])
         there = (side_boxes[:3, cut] <= side_boxes[3:, cut]).all(axis=0)
         # Boxes are larger than parts, so that a part may be found to be none; but on one side each remains.
         side_boxes[:, cut[~there]] = boxes[:, cut[~there]]

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from lumiere.accel import Choice, choose
+from lumiere.accel.spatial import SpatialSplits
 from lumiere.bsdf import Material
 from lumiere.shape import DeviceShape, Primitives, Shape
 from lumiere.texture import Texture
@@ -80,7 +81,8 @@ def group_shapes(objects: list[Object], keep: tuple[str, ...], wide: bool,
         accelerator = choose_accelerator(device_shape.name, len(records), device_shape.bounded, wide)
         buffers: dict[str, np.ndarray] = {}
         if device_shape.bounded:
-            topology = accelerator.build(*device_shape.bounds(records))
+            cuts = isinstance(accelerator, SpatialSplits)
+            topology = accelerator.build_triangles(records["vertices"]) if cuts else accelerator.build(*device_shape.bounds(records))
             order = topology.order
             records, owners = records.take(order), owners.take(order)
             corners = corners if corners is None else corners.take(order, axis=0)

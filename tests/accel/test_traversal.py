@@ -13,7 +13,7 @@ from lumiere.accel.build import MAX_DEPTH, Topology
 from lumiere.accel.flat import Flat
 from lumiere.device.source import assemble, template
 from lumiere.wavefront.policy import is_gpu
-from tests.accel.tracer import ACCELERATORS, NONE, SHAPE, TREES, Tracer, scene_struct
+from tests.accel.tracer import ACCELERATORS, NONE, SHAPE, TREES, Tracer, scene_struct, title
 from tests.contexts import context_of
 
 ASSETS = Path(__file__).parents[3] / "shared" / "assets"
@@ -22,8 +22,8 @@ MESHES = ["alien.glb", "alpha_blend_mode.glb", "flight_helmet/FlightHelmet.gltf"
 TESTS, TESTS_ON_A_GPU = 3e7, 1e11
 """Triangle tests of the plain list for one mesh: about half a second on two CPU cores; on a GPU all 10⁵ rays meet all triangles of every mesh."""
 
-every_accelerator = pytest.mark.parametrize("accelerator", ACCELERATORS, ids=lambda a: a.name)
-every_tree = pytest.mark.parametrize("tree", TREES, ids=lambda a: a.name)
+every_accelerator = pytest.mark.parametrize("accelerator", ACCELERATORS, ids=title)
+every_tree = pytest.mark.parametrize("tree", TREES, ids=title)
 
 
 def mesh_triangles(name: str) -> np.ndarray:

@@ -7,13 +7,27 @@ from functools import cache
 import numpy as np
 import pyopencl as cl
 
-from lumiere.accel import PACKET_LAYOUTS, Accelerator, layouts
+from lumiere.accel import PACKET_LAYOUTS, SPATIAL, Accelerator, names, preferring
 from lumiere.accel.build import Topology
+from lumiere.accel.spatial import SpatialSplits
 from lumiere.device.source import assemble, template
 from tests.contexts import context_of
 
-ACCELERATORS: list[Accelerator] = [layout() for layout in layouts().values()]
+ACCELERATORS: list[Accelerator] = [preferring(name)("triangle", 1, bounded=True, wide=True) for name in names()]
 TREES = [accelerator for accelerator in ACCELERATORS if accelerator.name != "flat"]
+
+
+def title(accelerator: Accelerator) -> str:
+    """For a test's name."""
+    return accelerator.name + SPATIAL * isinstance(accelerator, SpatialSplits)
+
+
+def topology_of(accelerator: Accelerator, triangles: np.ndarray) -> Topology:
+    """What ``accelerator`` builds over triangles (n, 3, 3)."""
+    if isinstance(accelerator, SpatialSplits):
+        return accelerator.build_triangles(triangles)
+    return accelerator.build(triangles.min(axis=1, initial=np.inf), triangles.max(axis=1, initial=-np.inf))
+
 
 SHAPE = """
 #include "shape/triangle_test.cl"
@@ -27,6 +41,11 @@ bool triangle_counts(const scene_t *scene, uint index, const ray_t *ray, const t
 #define SHAPE_FIRST scene->triangle_first
 #define SHAPE_COUNT scene->triangle_count
 #define SHAPE_BUFFER(key) scene->triangle_##key
+#ifdef SHARED_PRIMITIVES
+#define SHAPE_PRIMITIVE(place) scene->triangle_references[place]
+#else
+#define SHAPE_PRIMITIVE(place) (place)
+#endif
 """
 
 KERNEL = """
@@ -118,7 +137,8 @@ class Tracer:
                  defines: str = "", first: int = 0) -> None:
         triangles = np.ascontiguousarray(triangles, np.float32)
         self.count, self.first = len(triangles), first
-        topology = topology or accelerator.build(triangles.min(axis=1, initial=np.inf), triangles.max(axis=1, initial=-np.inf))
+        topology = topology or topology_of(accelerator, triangles)
+        defines += "#define SHARED_PRIMITIVES\n" if topology.references is not None else ""
         self.order = topology.order
         records = np.zeros(len(triangles), np.dtype([("vertices", "<f4", (3, 3))]))
         records["vertices"] = triangles[self.order]
