@@ -18,8 +18,8 @@ from lumiere.shape.triangle import Triangle
 LEAST_OVERLAP = 1e-4
 """Of the children of an object split, as a part of the root's area, for a spatial one to be tried (the paper's α; docs/performance.md)."""
 
-MOST_REFERENCES = 1.3
-"""A triangle, on average: what the paper found enough for most of the gain."""
+MOST_REFERENCES = 2.0
+"""A triangle, on average. Meshes stay far below; only where triangles are long and lie across each other does the limit count (docs/performance.md)."""
 
 PADDING = 2.0**-20
 """By so much of the triangle's largest extent is a part's box wider than the part: by as much may rounding displace the vertices, seen from a place
@@ -83,7 +83,7 @@ def build(vertices: np.ndarray, max_leaf_size: int = 4, traversal_cost: float = 
         goes_left = sides(boxes, start, count, replace(split, cost=np.where(open_nodes, split.cost, 0.0)))
 
         # No child has more references than its parent, so that in a child that may have as many any spatial split keeps the depth.
-        tried = open_nodes & (count <= largest_child) & (_overlap(boxes, start, goes_left) > LEAST_OVERLAP * root_area)
+        tried = open_nodes & (spare > 0) & (count <= largest_child) & (_overlap(boxes, start, goes_left) > LEAST_OVERLAP * root_area)
         planes = _best_planes(ascending, ids, boxes, start, count, np.flatnonzero(tried), low, high, block)
         spatial = (planes.cost < split.cost) & ((count > max_leaf_size) | (traversal_cost * area + planes.cost < whole))
         by_gain = np.argsort(np.subtract(planes.cost, split.cost, out=np.full(len(count), np.inf), where=spatial), kind="stable")
@@ -174,7 +174,7 @@ def _best_planes(ascending: np.ndarray, ids: np.ndarray, boxes: np.ndarray, star
         last = np.clip(bin_of[1] - 1, first, BINS - 1).astype(np.int64)
         # Counts of what begins and ends in each bin, and bounds of what is in it.
         begins, ends = (np.bincount(node_of * BINS + bins, minlength=len(nodes) * BINS).reshape(-1, BINS) for bins in (first, last))
-        bin_low, bin_high = np.full((3, len(nodes) * BINS), np.inf), np.full((3, len(nodes) * BINS), -np.inf)
+        bin_low, bin_high = np.full((3, len(nodes) * BINS), np.inf, np.float32), np.full((3, len(nodes) * BINS), -np.inf, np.float32)
 
         def widen(key: np.ndarray, lower: np.ndarray, upper: np.ndarray, bin_low: np.ndarray = bin_low, bin_high: np.ndarray = bin_high) -> None:
             for row in range(3):
@@ -194,7 +194,7 @@ def _best_planes(ascending: np.ndarray, ids: np.ndarray, boxes: np.ndarray, star
             of = np.repeat(some, spans)
             lower, upper = np.maximum(lower, boxes[:3, of]), np.minimum(upper, boxes[3:, of])
             there = (lower <= upper).all(axis=0)
-            widen((node_of[of] * BINS + ranges(first[some], spans))[there], lower[:, there], upper[:, there])
+            widen((node_of[of] * BINS + ranges(first[some], spans))[there], lower[:, there].astype(np.float32), upper[:, there].astype(np.float32))
 
         bin_low, bin_high = bin_low.reshape(3, -1, BINS), bin_high.reshape(3, -1, BINS)
         left_count = np.cumsum(begins, axis=1)[:, :-1]
