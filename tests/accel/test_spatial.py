@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from typing import Any
 
@@ -80,7 +81,8 @@ def difficult() -> dict[str, np.ndarray]:
     """Kinds of triangles that are hard to part, each with some that cross the others."""
     random, crossing = np.random.default_rng(2), beams(40, 3)
     points = random.uniform(-1, 1, (150, 3, 3)).astype(np.float32)
-    return {"beams": crossing, "the same": np.repeat(crossing[::3], 3, axis=0), "points and lines": np.concatenate([points[:, [0, 0, 0]], points[:, [0, 1, 1]]]),
+    return {"beams": crossing, "the same": np.repeat(crossing[::3], 3, axis=0),
+            "points and lines": np.concatenate([points[:, [0, 0, 0]], points[:, [0, 1, 1]]]),
             "huge and tiny": np.concatenate([crossing * np.float32(1e6), crossing, crossing * np.float32(1e-6)]),
             "far away": crossing + np.float32(1000.0), "in a plane": np.where(np.arange(3) == 1, np.float32(0.0), crossing),
             "largest there are": points * np.float32(3e38), "least there are": points * np.float32(1e-42)}
@@ -116,6 +118,39 @@ def test_rays_meet_what_the_list_meets(device: Any, kind: str) -> None:
         if kind != "the same":
             assert_same_hits((hits, primitives), expected)
         assert np.array_equal(tracer.occluded(origins, directions), met)
+
+
+def test_rays_at_the_faces_of_parts_meet_what_the_plain_tree_meets(device: Any) -> None:
+    """From within closed beams towards the points where their edges cross a face of a leaf's box."""
+    triangles, random = beams(40, 3), np.random.default_rng(11)
+    for tree in TREES:
+        if not isinstance(tree, SpatialSplits):
+            continue
+        topology = tree.build_triangles(triangles)
+        leaves = np.flatnonzero(topology.leaves)
+        leaves = leaves[np.argsort(topology.first[leaves])]
+        leaf_of = np.repeat(leaves, topology.count[leaves])
+        members = topology.order[topology.references]
+        targets, beam = [], []
+        for face in (topology.lower, topology.upper):
+            for axis, vertex in itertools.product(range(3), range(3)):
+                begin, end = triangles[members, vertex].astype(np.float64), triangles[members, vertex - 1].astype(np.float64)
+                extent = end[:, axis] - begin[:, axis]
+                part = np.divide(face[leaf_of, axis] - begin[:, axis], extent, out=np.zeros(len(members)), where=extent != 0.0)
+                crosses = (part > 0.01) & (part < 0.99)
+                targets.append((begin + part[:, None] * (end - begin))[crosses])
+                beam.append((members // 12)[crosses])
+        targets, beam = np.repeat(np.concatenate(targets), 8, axis=0), np.repeat(np.concatenate(beam), 8)
+        assert len(targets) > 20_000
+        corners = triangles.reshape(-1, 36, 3).astype(np.float64)
+        middle, along = corners.mean(axis=1)[beam], (corners[:, 1] - corners[:, 0])[beam]
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        onto = middle + along * (((targets - middle) * along).sum(axis=1, keepdims=True) + random.normal(size=(len(targets), 1)) * 0.01)
+        origins = (onto + random.choice([0.0, 0.5, 0.9], (len(targets), 1)) * (targets - onto)).astype(np.float32)
+        directions = (targets - origins).astype(np.float32)
+        expected = Tracer(device, triangles, tree.layout).nearest(origins, directions)
+        assert (expected[1] != NONE).mean() > 0.99
+        assert_same_hits(Tracer(device, triangles, tree, topology=topology).nearest(origins, directions), expected)
 
 
 def test_slices_hold_what_lies_between_the_planes() -> None:

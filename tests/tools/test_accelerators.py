@@ -22,5 +22,6 @@ def test_every_layout_that_the_device_takes_has_its_figures(device: Any, tmp_pat
     assert {"bvh2", "bvh2_spatial"} <= set(rows) <= set(names())
     for name, row in rows.items():
         assert row["camera"]["rays"] == 16 * 16 and row["camera"]["rays a second"] > 0.0
+        assert row["references a triangle"] >= 1.0 and row["cost"] > 1.0
         assert row["bounce"]["rays"] == rows["bvh2"]["bounce"]["rays"] > 0
         assert f"\n| {name} | " in done.stdout
