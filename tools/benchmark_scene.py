@@ -1,7 +1,7 @@
 """The benchmark's scenes: displaced icospheres on a ground plane under a constant sky, at any number of triangles; long beams that cross each other; and
 the Cornell box.
 
-    python tools/benchmark_scene.py OUT [--faces 20480] [--spheres 50]
+    python tools/benchmark_scene.py OUT [--faces 20480] [--spheres 50 | --beams N]
 
 writes OUT.ply and OUT.json: 50 spheres of 20,480 faces are 1,024,002 triangles with the ground.
 """
@@ -117,9 +117,11 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("--faces", type=int, default=20480, help="of a sphere: 20, 80, 320, … 20480")
     parser.add_argument("--spheres", type=int, default=50)
+    parser.add_argument("--beams", type=int, metavar="N", help="N beams in place of spheres")
     parser.add_argument("--size", type=int, nargs=2, default=(480, 270))
     arguments = parser.parse_args()
-    write_made(arguments.out, Spheres(arguments.spheres, arguments.faces), tuple(arguments.size))
+    made = Spheres(arguments.spheres, arguments.faces) if arguments.beams is None else Beams(arguments.beams)
+    write_made(arguments.out, made, tuple(arguments.size))
 
 
 if __name__ == "__main__":

