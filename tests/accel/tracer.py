@@ -138,11 +138,11 @@ class Tracer:
         triangles = np.ascontiguousarray(triangles, np.float32)
         self.count, self.first = len(triangles), first
         topology = topology or topology_of(accelerator, triangles)
-        defines += "#define SHARED_PRIMITIVES\n" if topology.references is not None else ""
         self.order = topology.order
         records = np.zeros(len(triangles), np.dtype([("vertices", "<f4", (3, 3))]))
         records["vertices"] = triangles[self.order]
         arrays = accelerator.encode(topology, records) | {"vertices": records["vertices"]}
+        defines += "#define SHARED_PRIMITIVES\n" if "references" in arrays else ""
         types = tuple((name, {"f": "float", "u": "uint"}[array.dtype.kind]) for name, array in arrays.items())
         self.context, self.queue, self.kernel = _program(device, accelerator.name, types, defines)
         self.buffers = [self._upload(array) for array in arrays.values()]
