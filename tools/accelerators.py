@@ -1,9 +1,10 @@
-"""Measures the layouts of accelerators on a device, in turn: rays a second from the camera, after a bounce and to lights, what they visit, and bytes.
+"""Measures the accelerators on a device, in turn: rays a second from the camera, after a bounce and to lights, what they visit, and bytes.
 
     python tools/accelerators.py [SCENE] [--device D] [--layouts L …] [--width W] [--height H] [--spp N] [--repeats N] [--json F]
 
-At most 7 scattering events, no roulette. All samples are in flight at once, so that a launch of
-extend traces camera rays only, or rays of one bounce. Times are the device's, of kernels that also read and write the paths' state; medians.
+An accelerator is a layout, or LAYOUT_spatial for one with spatial splits. At most 7 scattering events, no roulette. All samples are in flight at once, so
+that a launch of extend traces camera rays only, or rays of one bounce. Times are the device's, of kernels that also read and write the paths' state;
+medians. The cost is the surface-area heuristic's, in steps, of the largest tree; not told of trees that the device builds (tools/build_trees.py has it).
 """
 
 from __future__ import annotations
@@ -23,6 +24,10 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from benchmark_scene import SCENES, write  # noqa: E402
+from build_trees import cost  # noqa: E402
+
+from lumiere.accel import Accelerator, Choice  # noqa: E402
+from lumiere.accel.build import Topology  # noqa: E402
 
 MAX_DEPTH = 7
 KINDS = ("camera", "bounce", "shadow")
@@ -36,6 +41,8 @@ class Candidate:
     render: Any
     build_seconds: float
     megabytes: float
+    references: float
+    cost: float | None
     seconds: list[dict[str, float]] = field(default_factory=list)
     visits: dict[str, Any] = field(default_factory=dict)
 
@@ -67,6 +74,7 @@ class Candidate:
     def told(self) -> dict[str, Any]:
         """All figures."""
         rows: dict[str, Any] = {"layout": self.layout, "build seconds": self.build_seconds, "megabytes": self.megabytes,
+                                "references a triangle": self.references, "cost": self.cost,
                                 "samples a second": self.render.samples / median(run["all"] for run in self.seconds)}
         for kind in KINDS:
             rays, nodes, primitives = (int(value) for value in self.visits[kind])
@@ -76,6 +84,22 @@ class Candidate:
         return rows
 
 
+def noting_cost(choice: Choice, costs: list[tuple[int, float]]) -> Choice:
+    """``choice``, but that the cost of each tree that numpy builds is appended to ``costs``, after its number of primitives."""
+    def chosen(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelerator:
+        accelerator = choice(shape, n_primitives, bounded, wide)
+        block, encode = getattr(getattr(accelerator, "layout", accelerator), "block", 1), accelerator.encode
+
+        def noting(topology: Topology, records: Any) -> Any:
+            costs.append((n_primitives, cost(topology, block)))
+            return encode(topology, records)
+
+        accelerator.encode = noting  # type: ignore[method-assign]
+        return accelerator
+
+    return chosen
+
+
 def prepare(scene: Any, layout: str, device: str | None) -> Candidate:
     """A warm render of ``scene`` whose trees have ``layout`` where that can hold them."""
     from lumiere.accel import preferring
@@ -83,13 +107,18 @@ def prepare(scene: Any, layout: str, device: str | None) -> Candidate:
     from lumiere.rendering import Render
 
     samples = scene.film.width * scene.film.height * scene.sampler.spp
-    render = Render(scene, device, overrides=Overrides(accelerator=preferring(layout), slots=samples), profiling=True)
+    costs: list[tuple[int, float]] = []
+    render = Render(scene, device, overrides=Overrides(accelerator=noting_cost(preferring(layout), costs), slots=samples), profiling=True)
     if render.wavefront.policy.batch < samples:
         raise SystemExit(f"found {samples:,} samples, expected at most {render.wavefront.policy.batch:,} in one batch; take a smaller picture")
     buffers = render.wavefront.buffers
     trees = [name for shape in buffers.features.shapes for name in buffers.arrays
-             if name.startswith(f"{shape}_") and name.removeprefix(f"{shape}_") in ("nodes", "children", "blocks", "vertices")]
-    found = Candidate(layout, render, render.seconds["accelerator"], sum(buffers.arrays[name][1].nbytes for name in trees) / 1e6)
+             if name.startswith(f"{shape}_") and name.removeprefix(f"{shape}_") in ("nodes", "children", "blocks", "references", "vertices")]
+    references = 1.0
+    if buffers.features.shared_primitives:  # words a triangle: one of references, nine of vertices
+        references = 9 * buffers.arrays["triangle_references"][1].nbytes / buffers.arrays["triangle_vertices"][1].nbytes
+    found = Candidate(layout, render, render.seconds["accelerator"], sum(buffers.arrays[name][1].nbytes for name in trees) / 1e6, references,
+                      max(costs)[1] if costs else None)
     found.run()
     return found
 
@@ -110,10 +139,11 @@ def prepared(scene: Any, names: list[str], device: str | None) -> Iterator[Candi
 
 def table(rows: list[dict[str, Any]]) -> str:
     """As Markdown."""
-    lines = ["| layout | build, s | MB | " + " | ".join(f"{kind}, Mrays/s | nodes | prims" for kind in KINDS) + " | Msamples/s |",
-             "|" + "---|" * (4 + 3 * len(KINDS))]
+    lines = ["| layout | build, s | MB | references | cost | " + " | ".join(f"{kind}, Mrays/s | nodes | prims" for kind in KINDS) + " | Msamples/s |",
+             "|" + "---|" * (6 + 3 * len(KINDS))]
     for row in rows:
-        cells = [row["layout"], f"{row['build seconds']:.3g}", f"{row['megabytes']:.4g}"]
+        cells = [row["layout"], f"{row['build seconds']:.3g}", f"{row['megabytes']:.4g}", f"{row['references a triangle']:.3f}",
+                 "" if row["cost"] is None else f"{row['cost']:.4g}"]
         for kind in KINDS:
             part = row[kind]
             cells += [f"{part['rays a second'] / 1e6:.4g}", f"{part['nodes a ray']:.3g}", f"{part['primitives a ray']:.3g}"]
@@ -123,14 +153,14 @@ def table(rows: list[dict[str, Any]]) -> str:
 
 def main() -> int:
     from lumiere import api
-    from lumiere.accel import layouts
+    from lumiere.accel import names
     from lumiere.device.select import choose
     from lumiere.wavefront.policy import is_gpu
 
     parser = argparse.ArgumentParser(description="Measure the layouts of accelerators.")
     parser.add_argument("scene", nargs="?", default="million", help=f"a file, or one of the benchmark's: {', '.join(SCENES)} (default: million)")
     parser.add_argument("--device")
-    parser.add_argument("--layouts", nargs="+", default=[name for name in layouts() if name != "flat"])
+    parser.add_argument("--layouts", nargs="+", default=[name for name in names() if name != "flat"])
     parser.add_argument("--width", type=int)
     parser.add_argument("--height", type=int)
     parser.add_argument("--spp", type=int)

@@ -1,6 +1,7 @@
-"""The benchmark's scenes: displaced icospheres on a ground plane under a constant sky, at any number of triangles; and the Cornell box.
+"""The benchmark's scenes: displaced icospheres on a ground plane under a constant sky, at any number of triangles; long beams that cross each other; and
+the Cornell box.
 
-    python tools/benchmark_scene.py OUT [--faces 20480] [--spheres 50]
+    python tools/benchmark_scene.py OUT [--faces 20480] [--spheres 50 | --beams N]
 
 writes OUT.ply and OUT.json: 50 spheres of 20,480 faces are 1,024,002 triangles with the ground.
 """
@@ -28,9 +29,16 @@ class Spheres:
     close: bool = False
 
 
-SCENES: dict[str, Spheres | None] = {
+@dataclass(frozen=True)
+class Beams:
+    """``count`` long thin boxes, turned at random: what object splits do badly with."""
+
+    count: int
+
+
+SCENES: dict[str, Spheres | Beams | None] = {
     "million": Spheres(50, 20480), "20k": Spheres(1, 20480, close=True), "320": Spheres(1, 320), "20million": Spheres(61, 327680),
-    "tiny": Spheres(3, 80), "cornell": None}
+    "tiny": Spheres(3, 80), "beams": Beams(400), "cornell": None}
 """None: the Cornell box of ``scenes/``."""
 
 
@@ -51,6 +59,16 @@ def displaced_spheres(spheres: int, faces: int, seed: int = 1) -> trimesh.Trimes
     vertices.append(np.array([[-30.0, 0.0, -30.0], [-30.0, 0.0, 30.0], [30.0, 0.0, 30.0], [30.0, 0.0, -30.0]]))
     triangles.append(np.array([[0, 1, 2], [0, 2, 3]]) + first)
     return trimesh.Trimesh(np.concatenate(vertices), np.concatenate(triangles), process=False)
+
+
+def beams(count: int, seed: int = 1) -> trimesh.Trimesh:
+    """Boxes of 2 × 0.02 × 0.02 m in uniform directions, centres in [−1, 1]³."""
+    rng = np.random.default_rng(seed)
+    made = []
+    for _ in range(count):
+        made.append(trimesh.creation.box((2.0, 0.02, 0.02), trimesh.transformations.random_rotation_matrix(rng.random(3))))
+        made[-1].apply_translation(rng.uniform(-1.0, 1.0, 3))
+    return trimesh.util.concatenate(made)
 
 
 def camera(mesh: trimesh.Trimesh, close: bool) -> dict[str, Any]:
@@ -75,19 +93,23 @@ def scene(mesh: str, seen_by: dict[str, Any], width: int, height: int) -> dict[s
         "lights": [{"type": "environment", "radiance": 1.0}]}}
 
 
-def write_spheres(out: Path, made: Spheres, size: tuple[int, int] = (480, 270)) -> Path:
+def write_made(out: Path, made: Spheres | Beams, size: tuple[int, int] = (480, 270)) -> Path:
     """Writes OUT.ply and OUT.json; returns the latter."""
-    mesh = displaced_spheres(made.spheres, made.faces)
+    if isinstance(made, Beams):
+        mesh, seen_by = beams(made.count), {"position": [0, 1, 5], "look_at": [0, 0, 0], "fov": 50, "fov_axis": "x"}
+    else:
+        mesh = displaced_spheres(made.spheres, made.faces)
+        seen_by = camera(mesh, made.close)
     mesh.export(out.with_suffix(".ply"))
     path = out.with_suffix(".json")
-    path.write_text(json.dumps(scene(out.with_suffix(".ply").name, camera(mesh, made.close), *size), indent=1), encoding="utf-8")
+    path.write_text(json.dumps(scene(out.with_suffix(".ply").name, seen_by, *size), indent=1), encoding="utf-8")
     return path
 
 
 def write(name: str, folder: Path) -> Path:
     """The file of one of SCENES, in ``folder`` where it has to be made."""
     made = SCENES[name]
-    return CORNELL if made is None else write_spheres(folder / name, made)
+    return CORNELL if made is None else write_made(folder / name, made)
 
 
 def main() -> None:
@@ -95,9 +117,11 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("--faces", type=int, default=20480, help="of a sphere: 20, 80, 320, … 20480")
     parser.add_argument("--spheres", type=int, default=50)
+    parser.add_argument("--beams", type=int, metavar="N", help="N beams in place of spheres")
     parser.add_argument("--size", type=int, nargs=2, default=(480, 270))
     arguments = parser.parse_args()
-    write_spheres(arguments.out, Spheres(arguments.spheres, arguments.faces), tuple(arguments.size))
+    made = Spheres(arguments.spheres, arguments.faces) if arguments.beams is None else Beams(arguments.beams)
+    write_made(arguments.out, made, tuple(arguments.size))
 
 
 if __name__ == "__main__":

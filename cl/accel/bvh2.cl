@@ -38,7 +38,8 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
         if (current == BVH2_DONE)
             return found;
         uint first = current & 0x0fffffffu, count = (current >> 28 & 7u) + 1u;
-        for (uint index = first; index < first + count; index++) {
+        for (uint place = first; place < first + count; place++) {
+            uint index = SHAPE_PRIMITIVE(place);
             hit_t candidate;
             VISIT_PRIMITIVES(scene, 1u);
             if (SHAPE_FUNCTION(intersect)(scene, index, ray, &prepared, hit->t, &candidate) && SHAPE_ACCEPTS(index, hit->t)) {

@@ -57,9 +57,10 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
             VISIT_PRIMITIVES(scene, (bvh8_range(block) >> 28) + 1u);
             bvh8_block_test(&prepared, block, hit->t, &test);
             for (ulong lanes = test.met | test.doubt; lanes; lanes &= lanes - 1UL) {
-                uint lane = bvh8_first_lane(lanes), range = bvh8_range(block), index = (range & 0x0fffffffu) + lane;
+                uint lane = bvh8_first_lane(lanes), range = bvh8_range(block);
                 if (lane > range >> 28)
                     break;
+                uint index = SHAPE_PRIMITIVE((range & 0x0fffffffu) + lane);
                 hit_t candidate = {test.t.lane[lane], test.u.lane[lane], test.v.lane[lane], 0u};
                 if (test.doubt & lanes & (0UL - lanes)) {
                     if (!SHAPE_FUNCTION(intersect)(scene, index, ray, &prepared, hit->t, &candidate))

@@ -3,6 +3,7 @@
 //   SHAPE_FIRST        number of its first primitive among those of all kinds
 //   SHAPE_COUNT        number of its primitives
 //   SHAPE_BUFFER(key)  the array `key` of its encoder
+//   SHAPE_PRIMITIVE(i) which primitive is at place i of a leaf's range: i, unless leaves share primitives (lumiere/accel/spatial.py)
 // and, where a ray may pass through what it meets, SHAPE_counts (accel/counts.cl).
 // A traversal tells VISIT_NODE and VISIT_PRIMITIVES what it tests (accel/visits.cl).
 

@@ -29,6 +29,10 @@ PACKET_LAYOUTS = ("flat16",)
 """Layouts that sixteen rays traverse at once (cl/accel/packet.cl)."""
 
 
+SPATIAL = "_spatial"
+"""Ends the name of an accelerator that builds its layout's trees with spatial splits (lumiere/accel/spatial.py)."""
+
+
 @dataclass
 class Accelerated:
     """Primitives of a device shape behind an accelerator.
@@ -50,6 +54,9 @@ class Accelerator:
 
     name: ClassVar[str]
     triangles_only: ClassVar[bool] = False
+    holds_references: ClassVar[bool] = False
+    """Leaves may share a primitive: ``encode`` takes a topology's ``references`` and keeps them as an array, which the traversal reads
+    where SHAPE_PRIMITIVE does (cl/accel/template.cl)."""
 
     def build(self, lower: np.ndarray, upper: np.ndarray) -> Topology:
         """The topology over boxes (n, 3) float32; ``order`` is the order in which the primitives have to be stored."""
@@ -59,9 +66,13 @@ class Accelerator:
         """The device's arrays, of float32 or uint32, by name: the field ``{shape}_{name}`` of ``scene_t``. ``records`` are in leaf order."""
         raise NotImplementedError
 
+    def topology(self, shape: type[DeviceShape], records: np.ndarray) -> Topology:
+        """The topology over primitives of ``shape``: what ``build`` makes of their boxes."""
+        return self.build(*shape.bounds(records))
+
     def accelerate(self, shape: type[DeviceShape], records: np.ndarray, corners: np.ndarray | None = None) -> Accelerated:
-        """At least one of the primitives of ``shape``, in leaf order, and the arrays: ``build`` and ``encode`` on the host."""
-        topology = self.build(*shape.bounds(records))
+        """At least one of the primitives of ``shape``, in leaf order, and the arrays: ``topology`` and ``encode`` on the host."""
+        topology = self.topology(shape, records)
         order = topology.order
         records = records.take(order)
         corners = None if corners is None else corners.take(order, axis=0)
@@ -103,14 +114,21 @@ def layouts() -> dict[str, type[Accelerator]]:
     return found
 
 
+def names() -> list[str]:
+    """What ``preferring`` takes: every layout, and with spatial splits those whose leaves can share triangles."""
+    return sorted([*layouts(), *(f"{name}{SPATIAL}" for name, layout in layouts().items() if layout.holds_references)])
+
+
 def preferring(name: str) -> Choice:
-    """Chooses the layout called ``name`` for all that it can hold, on any device. Raises UsageError where there is none."""
-    layout = layouts().get(name)
-    if layout is None:
-        raise UsageError(f"found the accelerator '{name}', expected one of {', '.join(layouts())}")
+    """Chooses the accelerator called ``name`` for all that it can hold, on any device. Raises UsageError where there is none."""
+    from lumiere.accel.spatial import with_spatial_splits
+
+    if name not in names():
+        raise UsageError(f"found the accelerator '{name}', expected one of {', '.join(names())}")
+    layout = layouts()[name.removesuffix(SPATIAL)]
 
     def chosen(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelerator:
         holds = bounded and (shape == "triangle" or not layout.triangles_only)
         return layout() if holds else choose(shape, n_primitives, bounded, wide)
 
-    return chosen
+    return with_spatial_splits(chosen) if name.endswith(SPATIAL) else chosen

@@ -20,7 +20,8 @@ class Topology:
 
     ``lower``, ``upper``: (m, 3) float32 bounds. ``left``: (m,) int32, the left child (the right one is ``left + 1``), or -1 at a leaf.
     ``first``, ``count``: (m,) uint32, the node's primitives as a range of ``order``. ``order``: (n,) uint32, the primitives in leaf order.
-    ``depth``: of the deepest leaf.
+    ``depth``: of the deepest leaf. ``references``: None, or, where several leaves hold the same primitive (lumiere/accel/spatial.py), (r,) uint32: ranges
+    are then of it, and it names places in ``order``.
     """
 
     lower: np.ndarray
@@ -30,11 +31,17 @@ class Topology:
     count: np.ndarray
     order: np.ndarray
     depth: int
+    references: np.ndarray | None = None
 
     @property
     def leaves(self) -> np.ndarray:
         """(m,) bool."""
         return self.left < 0
+
+    @property
+    def reference_arrays(self) -> dict[str, np.ndarray]:
+        """What every layout that holds references has beside its own arrays: ``references`` where there are any."""
+        return {} if self.references is None else {"references": self.references}
 
 
 def single_leaf(lower: np.ndarray, upper: np.ndarray) -> Topology:
@@ -82,17 +89,17 @@ def build(lower: np.ndarray, upper: np.ndarray, max_leaf_size: int = 4, traversa
         high = np.stack([np.maximum.reduceat(row, start) for row in boxes[3:]])
         largest_child = max_leaf_size << (MAX_DEPTH - len(levels) - 1) if len(levels) < MAX_DEPTH else 0
         open_nodes = count > min(max_leaf_size, traversal_cost * block)  # no split of the others could be cheaper
-        split = _best_splits(boxes, start, count, open_nodes, largest_child, block)
+        split = best_splits(boxes, start, count, open_nodes, largest_child, block)
 
         area = half_area(low, high)
-        keep_whole = (count <= max_leaf_size) & ~(traversal_cost * area + split.cost < _blocks(count, block) * area)
+        keep_whole = (count <= max_leaf_size) & ~(traversal_cost * area + split.cost < blocks(count, block) * area)
         nodes_before += len(count)
         left = np.full(len(count), -1, np.int32)
         left[~keep_whole] = nodes_before + 2 * np.arange(np.count_nonzero(~keep_whole))
         levels.append((low.T, high.T, left, first, count))
 
         done = np.repeat(keep_whole, count)
-        order[_ranges(first[keep_whole], count[keep_whole])] = ids[done]
+        order[ranges(first[keep_whole], count[keep_whole])] = ids[done]
         if keep_whole.all():
             break
         if keep_whole.any():
@@ -100,7 +107,7 @@ def build(lower: np.ndarray, upper: np.ndarray, max_leaf_size: int = 4, traversa
             first, count = first[~keep_whole], count[~keep_whole]
             split = split.of(~keep_whole, ~done)
             start = np.cumsum(count) - count
-        goes_left = _sides(boxes, start, count, split)
+        goes_left = sides(boxes, start, count, split)
         left_count = np.add.reduceat(goes_left, start, dtype=np.int64)
         by_side = _partition(goes_left, start, count, left_count)
         ids, boxes = ids[by_side], np.take(boxes, by_side, axis=1)
@@ -112,7 +119,7 @@ def build(lower: np.ndarray, upper: np.ndarray, max_leaf_size: int = 4, traversa
                     count=count.astype(np.uint32), order=order, depth=len(levels) - 1)
 
 
-def _blocks(count: np.ndarray, block: int) -> np.ndarray:
+def blocks(count: np.ndarray, block: int) -> np.ndarray:
     """Blocks that so many primitives fill or begin."""
     return -(-count // block)
 
@@ -133,7 +140,7 @@ def sah_cost(topology: Topology, traversal_cost: float = 1.0) -> float:
 
 
 @dataclass
-class _Splits:
+class Splits:
     """The best plane of each node: its cost (area × blocks on both sides; inf: none), axis and last bin on the left; each primitive's bins."""
 
     cost: np.ndarray
@@ -141,13 +148,13 @@ class _Splits:
     last: np.ndarray
     bins: np.ndarray
 
-    def of(self, nodes: np.ndarray, primitives: np.ndarray) -> _Splits:
-        return _Splits(self.cost[nodes], self.axis[nodes], self.last[nodes], np.compress(primitives, self.bins, axis=1))
+    def of(self, nodes: np.ndarray, primitives: np.ndarray) -> Splits:
+        return Splits(self.cost[nodes], self.axis[nodes], self.last[nodes], np.compress(primitives, self.bins, axis=1))
 
 
-def _best_splits(boxes: np.ndarray, start: np.ndarray, count: np.ndarray, open_nodes: np.ndarray, largest_child: int, block: int) -> _Splits:
+def best_splits(boxes: np.ndarray, start: np.ndarray, count: np.ndarray, open_nodes: np.ndarray, largest_child: int, block: int) -> Splits:
     """The best splits of a level's open nodes into children of at most ``largest_child`` primitives."""
-    best = _Splits(np.full(len(count), np.inf), np.zeros(len(count), np.int8), np.zeros(len(count), np.uint8),
+    best = Splits(np.full(len(count), np.inf), np.zeros(len(count), np.int8), np.zeros(len(count), np.uint8),
                    np.zeros((3, boxes.shape[1]), np.uint8))
     for small in (False, True):
         nodes = np.flatnonzero(open_nodes & ((count <= SMALL) == small))
@@ -157,7 +164,7 @@ def _best_splits(boxes: np.ndarray, start: np.ndarray, count: np.ndarray, open_n
     return best
 
 
-def _best_splits_of(best: _Splits, nodes: np.ndarray, boxes: np.ndarray, start: np.ndarray, count: np.ndarray, largest_child: int,
+def _best_splits_of(best: Splits, nodes: np.ndarray, boxes: np.ndarray, start: np.ndarray, count: np.ndarray, largest_child: int,
                     block: int, small: bool) -> None:
     """Sets ``best`` for some nodes, all of at most ``SMALL`` primitives or all of more."""
     local_count = count[nodes]
@@ -165,7 +172,7 @@ def _best_splits_of(best: _Splits, nodes: np.ndarray, boxes: np.ndarray, start: 
         primitives = slice(start[nodes[0]], start[nodes[-1]] + local_count[-1])
         local_boxes = boxes[:, primitives]
     else:
-        primitives = _ranges(start[nodes], local_count)
+        primitives = ranges(start[nodes], local_count)
         local_boxes = np.take(boxes, primitives, axis=1)
     local_start = np.cumsum(local_count) - local_count
     node_of = np.repeat(np.arange(len(nodes)), local_count)
@@ -220,12 +227,12 @@ def _sweep(best_cost: np.ndarray, best_axis: np.ndarray, best_last: np.ndarray, 
                 left_count[i] += left_count[i - 1]
                 np.minimum(left_low, low[:, i], out=left_low)
                 np.maximum(left_high, high[:, i], out=left_high)
-            left_cost[i] = half_area(left_low, left_high) * _blocks(left_count[i], block)
+            left_cost[i] = half_area(left_low, left_high) * blocks(left_count[i], block)
         total = left_count[-1] + count[-1]
         right_low, right_high = low[:, -1], high[:, -1]
         for i in reversed(range(len(left_count))):
             right_count = total - left_count[i]
-            cost = left_cost[i] + half_area(right_low, right_high) * _blocks(right_count, block)
+            cost = left_cost[i] + half_area(right_low, right_high) * blocks(right_count, block)
             better = cost < best_cost
             if total.max() > largest_child:
                 better &= np.maximum(left_count[i], right_count) <= largest_child
@@ -236,7 +243,7 @@ def _sweep(best_cost: np.ndarray, best_axis: np.ndarray, best_last: np.ndarray, 
             np.maximum(right_high, high[:, i], out=right_high)
 
 
-def _sides(boxes: np.ndarray, start: np.ndarray, count: np.ndarray, split: _Splits) -> np.ndarray:
+def sides(boxes: np.ndarray, start: np.ndarray, count: np.ndarray, split: Splits) -> np.ndarray:
     """Which primitives go left: those up to the split's plane; where there is none, the lower half along the widest axis."""
     node_of = np.repeat(np.arange(len(count)), count)
     bins = np.where(split.axis[node_of] == 0, split.bins[0], np.where(split.axis[node_of] == 1, split.bins[1], split.bins[2]))
@@ -269,7 +276,7 @@ def _partition(goes_left: np.ndarray, start: np.ndarray, count: np.ndarray, left
     return by_side
 
 
-def _ranges(first: np.ndarray, count: np.ndarray) -> np.ndarray:
+def ranges(first: np.ndarray, count: np.ndarray) -> np.ndarray:
     """The numbers first, …, first + count - 1 of each range, range after range."""
     offset = np.cumsum(count) - count
     return np.arange(count.sum()) + np.repeat(first - offset, count)

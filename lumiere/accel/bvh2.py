@@ -26,6 +26,7 @@ class Bvh2(Accelerator):
     """
 
     name: ClassVar[str] = "bvh2"
+    holds_references: ClassVar[bool] = True
     max_leaf_size: ClassVar[int] = 4
     block: ClassVar[int] = 1
 
@@ -35,8 +36,9 @@ class Bvh2(Accelerator):
 
     def encode(self, topology: Topology, records: np.ndarray) -> dict[str, np.ndarray]:
         """``nodes`` and ``children``. Raises ValueError for leaves or a number of primitives that a reference cannot hold."""
-        if len(topology.order) > MAX_PRIMITIVES:
-            raise ValueError(f"found {len(topology.order)} primitives, expected at most {MAX_PRIMITIVES}")
+        places = len(topology.order if topology.references is None else topology.references)
+        if places > MAX_PRIMITIVES:
+            raise ValueError(f"found {places} primitives, expected at most {MAX_PRIMITIVES}")
         if np.any(topology.count[topology.leaves] > MAX_LEAF_SIZE):
             raise ValueError(f"found a leaf of {topology.count[topology.leaves].max()} primitives, expected at most {MAX_LEAF_SIZE}")
         leaves = topology.leaves
@@ -54,4 +56,4 @@ class Bvh2(Accelerator):
             pairs = np.array([[0, 1]])
         of_pairs = boxes[pairs]
         nodes = np.concatenate([of_pairs[:, 0, :4], of_pairs[:, 1, :4], of_pairs[:, 0, 4:], of_pairs[:, 1, 4:]], axis=1)
-        return {"nodes": np.ascontiguousarray(nodes, np.float32), "children": reference[pairs].astype(np.uint32)}
+        return {"nodes": np.ascontiguousarray(nodes, np.float32), "children": reference[pairs].astype(np.uint32), **topology.reference_arrays}

@@ -26,6 +26,7 @@ class Bvh8(Accelerator):
 
     name: ClassVar[str] = "bvh8"
     triangles_only: ClassVar[bool] = True
+    holds_references: ClassVar[bool] = True
     max_leaf_size: ClassVar[int] = WIDTH
     block: ClassVar[int] = WIDTH
 
@@ -51,13 +52,14 @@ class Bvh8(Accelerator):
         reference = np.where(present, reference, 0)
         first, count = topology.first[leaves].astype(np.int64), topology.count[leaves].astype(np.int64)
         members = first[:, None] + np.minimum(np.arange(WIDTH), count[:, None] - 1)
+        members = members if topology.references is None else topology.references[members]
         blocks = np.zeros((len(leaves), 10, WIDTH), np.float32)
         blocks[:, :9] = np.moveaxis(records["vertices"].reshape(-1, 9)[members], 1, 2)
         blocks[:, 9, 0] = ((count - 1) << COUNT_SHIFT | first).astype(np.uint32).view(np.float32)
         nodes = np.zeros((len(boxes), 8, WIDTH), np.uint32)
         nodes[:, :6] = np.ascontiguousarray(np.moveaxis(boxes, 1, 2), np.float32).view(np.uint32)
         nodes[:, 6] = reference
-        return {"nodes": nodes, "blocks": blocks}
+        return {"nodes": nodes, "blocks": blocks, **topology.reference_arrays}
 
 
 def by_area(topology: Topology, children: np.ndarray) -> np.ndarray:

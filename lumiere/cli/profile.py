@@ -22,7 +22,8 @@ def add(subcommands: Any) -> None:
     parser.add_argument("--width", metavar="W", type=whole(1, 65536), help="pixels of the whole picture")
     parser.add_argument("--height", metavar="H", type=whole(1, 65536), help="pixels of the whole picture")
     parser.add_argument("--device", metavar="DEVICE", help="number or part of a name from `lumiere devices` (default: $LUMIERE_DEVICE, or the best)")
-    parser.add_argument("--accelerator", metavar="LAYOUT", help="layout, as cwbvh, of the trees of all that it can hold (default: the device's own)")
+    parser.add_argument("--accelerator", metavar="LAYOUT", help="layout, as cwbvh, of the trees of all that it can hold; bvh2_spatial, bvh8_spatial: with "
+                                                                            "spatial splits (default: the device's own)")
     parser.add_argument("--json", metavar="FILE", help="write all figures, for --compare")
     parser.add_argument("--html", metavar="FILE", help="write a page with timelines and the population by round")
     parser.add_argument("--trace", metavar="FILE", help="write a trace for Perfetto or chrome://tracing")

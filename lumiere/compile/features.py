@@ -27,6 +27,8 @@ class Features:
     sampler: str
     bsdf_features: dict[str, tuple[str, ...]] = field(default_factory=dict)
     """BSDF kind → macros with which it is compiled."""
+    shared_primitives: tuple[str, ...] = ()
+    """Device shapes of whose primitives some are in several leaves."""
     lights: tuple[str, ...] = ()
     """Kinds of lights that are not shapes."""
     infinite_lights: tuple[str, ...] = ()

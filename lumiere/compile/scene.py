@@ -225,6 +225,7 @@ def _features(scene: Scene, objects: list[Object], rows: list[Row], groups: list
     colors = "color" in materials.textures.uses
     return Features(
         shapes={group.device_shape.name: group.layout for group in groups},
+        shared_primitives=tuple(group.device_shape.name for group in groups if "references" in group.accelerator),
         bsdfs={kind: tuple(sorted(materials.textured[kind])) for kind in sorted(materials.members)},
         bsdf_features={kind: tuple(sorted(names)) for kind, names in materials.features.items()},
         camera=camera.type, sampler=scene.sampler.type, lights=kinds, infinite_lights=infinite, textures=tuple(materials.textures.kinds),

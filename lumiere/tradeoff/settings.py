@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from lumiere.accel import Accelerator, choose, layouts, preferring
+from lumiere.accel.spatial import with_spatial_splits
 from lumiere.overrides import Overrides
 from lumiere.scene.model import Scene
 from lumiere.texture.image import FILTERS, ImageTexture
@@ -83,11 +84,13 @@ def settings(scene: Scene, mean_radiance: float) -> Iterator[Setting]:
 
 
 def _accelerators() -> Iterator[Setting]:
-    """Each layout for whatever it can hold; and the scene's own layout over a topology that the builder did not optimise."""
+    """Each layout for whatever it can hold; and the scene's own layout over topologies of other qualities: one that the builder did not optimise, and one
+    with spatial splits."""
     for name in layouts():
         if name != "flat":
             yield Setting("accelerator", name, overrides=Overrides(accelerator=preferring(name)), builds=True)
     yield Setting("accelerator", "of low build quality", overrides=Overrides(accelerator=_low_quality))
+    yield Setting("accelerator", "with spatial splits", overrides=Overrides(accelerator=with_spatial_splits(choose)), builds=True)
 
 
 class _HighTraversalCost:

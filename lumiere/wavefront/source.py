@@ -133,10 +133,11 @@ def _shapes(features: Features) -> str:
     counts = template("accel/counts.cl") if features.visibility or features.opacity else ""
     for name, layout in features.shapes.items():
         each = template("accel/each.cl") if features.ray_packets and layout not in PACKET_LAYOUTS else ""
+        primitive = f"scene->{name}_references[place]" if name in features.shared_primitives else "(place)"
         text.append(f'#include "shape/{name}.cl"\n')
         text.append(f"#define SHAPE {name}\n#define SHAPE_FIRST scene->render->{name}_first\n#define SHAPE_COUNT scene->render->{name}_count\n"
-                    f"#define SHAPE_BUFFER(key) scene->{name}_##key\n{counts}{template(f'accel/{layout}.cl')}{each}"
-                    "#undef SHAPE\n#undef SHAPE_FIRST\n#undef SHAPE_COUNT\n#undef SHAPE_BUFFER\n")
+                    f"#define SHAPE_BUFFER(key) scene->{name}_##key\n#define SHAPE_PRIMITIVE(place) {primitive}\n{counts}{template(f'accel/{layout}.cl')}{each}"
+                    "#undef SHAPE\n#undef SHAPE_FIRST\n#undef SHAPE_COUNT\n#undef SHAPE_BUFFER\n#undef SHAPE_PRIMITIVE\n")
     return "".join(text)
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lumiere.accel import FLAT_UP_TO, choose, layouts, preferring
+from lumiere.accel import FLAT_UP_TO, choose, layouts, names, preferring
 from lumiere.accel.build import MAX_DEPTH, Topology, build, half_area
 from lumiere.accel.bvh2 import Bvh2
 from lumiere.accel.bvh8 import Bvh8
@@ -98,13 +98,14 @@ def test_choose() -> None:
 
 def test_every_layout_can_be_preferred() -> None:
     assert set(layouts()) == {"flat", "bvh2", "bvh8", "cwbvh"}
+    assert set(names()) == {*layouts(), "bvh2_spatial", "bvh8_spatial"}
     for name, layout in layouts().items():
         assert (cl_root() / f"accel/{name}.cl").is_file()
         for wide in (False, True):
             assert preferring(name)("triangle", 100, bounded=True, wide=wide).name == name
             assert preferring(name)("sphere", 100, bounded=True, wide=wide).name == ("bvh2" if layout.triangles_only else name)
             assert preferring(name)("plane", 100, bounded=False, wide=wide).name == "flat"
-    with pytest.raises(UsageError, match="found the accelerator 'bvh3', expected one of bvh2, bvh8, cwbvh, flat"):
+    with pytest.raises(UsageError, match="found the accelerator 'bvh3', expected one of bvh2, bvh2_spatial, bvh8, bvh8_spatial, cwbvh, flat"):
         preferring("bvh3")
 
 

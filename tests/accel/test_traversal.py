@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from lumiere.accel.build import MAX_DEPTH, Topology
 from lumiere.accel.flat import Flat
 from lumiere.device.source import assemble, template
 from lumiere.wavefront.policy import is_gpu
-from tests.accel.tracer import ACCELERATORS, NONE, SHAPE, TREES, Tracer, scene_struct
+from tests.accel.tracer import ACCELERATORS, NONE, SHAPE, TREES, Tracer, scene_struct, title, topology_of
 from tests.contexts import context_of
 
 ASSETS = Path(__file__).parents[3] / "shared" / "assets"
@@ -22,8 +23,8 @@ MESHES = ["alien.glb", "alpha_blend_mode.glb", "flight_helmet/FlightHelmet.gltf"
 TESTS, TESTS_ON_A_GPU = 3e7, 1e11
 """Triangle tests of the plain list for one mesh: about half a second on two CPU cores; on a GPU all 10⁵ rays meet all triangles of every mesh."""
 
-every_accelerator = pytest.mark.parametrize("accelerator", ACCELERATORS, ids=lambda a: a.name)
-every_tree = pytest.mark.parametrize("tree", TREES, ids=lambda a: a.name)
+every_accelerator = pytest.mark.parametrize("accelerator", ACCELERATORS, ids=title)
+every_tree = pytest.mark.parametrize("tree", TREES, ids=title)
 
 
 def mesh_triangles(name: str) -> np.ndarray:
@@ -33,6 +34,12 @@ def mesh_triangles(name: str) -> np.ndarray:
     if not (ASSETS / name).is_file():
         pytest.skip(f"{name} is not here")
     return np.concatenate([part.vertices[clean(part.vertices, part.faces)[0]] for part in load_mesh(ASSETS / name)]).astype(np.float32)
+
+
+@cache
+def topology_over(name: str, tree: int) -> Topology:
+    """What a tree's number among TREES builds over an asset, once for all devices."""
+    return topology_of(TREES[tree], mesh_triangles(name))
 
 
 def rays_around(triangles: np.ndarray, n: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
@@ -67,7 +74,7 @@ def test_tree_and_list_agree(device: cl.Device, name: str) -> None:
     for accelerator in TREES:
         if accelerator.name == "bvh8" and is_gpu(device):
             continue  # used there only where asked (tests/accel/conftest.py)
-        tree = Tracer(device, triangles, accelerator)
+        tree = Tracer(device, triangles, accelerator, topology=topology_over(name, TREES.index(accelerator)))
         hits, primitives = tree.nearest(origins, directions)
         assert_same_hits((hits[:few], primitives[:few]), expected)
         met = primitives != NONE

@@ -7,16 +7,30 @@ from functools import cache
 import numpy as np
 import pyopencl as cl
 
-from lumiere.accel import PACKET_LAYOUTS, Accelerator, layouts
+from lumiere.accel import PACKET_LAYOUTS, SPATIAL, Accelerator, names, preferring
 from lumiere.accel.build import Topology
+from lumiere.accel.spatial import SpatialSplits
 from lumiere.device.array import Array
 from lumiere.device.source import assemble, template
 from lumiere.shape.triangle import Triangle
 from lumiere.wavefront.policy import is_gpu
 from tests.contexts import context_of
 
-ACCELERATORS: list[Accelerator] = [layout() for layout in layouts().values()]
+ACCELERATORS: list[Accelerator] = [preferring(name)("triangle", 1, bounded=True, wide=True) for name in names()]
 TREES = [accelerator for accelerator in ACCELERATORS if accelerator.name != "flat"]
+
+
+def title(accelerator: Accelerator) -> str:
+    """For a test's name."""
+    return accelerator.name + SPATIAL * isinstance(accelerator, SpatialSplits)
+
+
+def topology_of(accelerator: Accelerator, triangles: np.ndarray) -> Topology:
+    """What ``accelerator`` builds over triangles (n, 3, 3)."""
+    records = np.zeros(len(triangles), Triangle.record)
+    records["vertices"] = triangles
+    return accelerator.topology(Triangle, records)
+
 
 SHAPE = """
 #include "shape/triangle_test.cl"
@@ -30,6 +44,11 @@ bool triangle_counts(const scene_t *scene, uint index, const ray_t *ray, const t
 #define SHAPE_FIRST scene->triangle_first
 #define SHAPE_COUNT scene->triangle_count
 #define SHAPE_BUFFER(key) scene->triangle_##key
+#ifdef SHARED_PRIMITIVES
+#define SHAPE_PRIMITIVE(place) scene->triangle_references[place]
+#else
+#define SHAPE_PRIMITIVE(place) (place)
+#endif
 """
 
 KERNEL = """
@@ -128,10 +147,11 @@ class Tracer:
             made = accelerator.accelerate(Triangle, records)
             self.order, records, arrays = made.order, made.records, made.arrays
         else:
-            topology = topology or accelerator.build(*Triangle.bounds(records))
+            topology = topology or accelerator.topology(Triangle, records)
             self.order, records = topology.order, records[topology.order]
             arrays = {**accelerator.encode(topology, records)}
         arrays["vertices"] = records["vertices"]
+        defines += "#define SHARED_PRIMITIVES\n" if "references" in arrays else ""
         types = tuple((name, {"f": "float", "u": "uint"}[array.dtype.kind]) for name, array in arrays.items())
         self.context, self.queue, self.kernel = _program(device, accelerator.name, types, defines)
         self.buffers = [self._upload(array) for array in arrays.values()]

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from lumiere.accel import layouts
+from lumiere.accel import names
 
 TOOL = Path(__file__).resolve().parents[2] / "tools" / "accelerators.py"
 
@@ -19,8 +19,9 @@ def test_every_layout_that_the_device_takes_has_its_figures(device: Any, tmp_pat
                            "--json", str(out)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     rows = {row["layout"]: row for row in json.loads(out.read_text(encoding="utf-8"))["layouts"]}
-    assert "bvh2" in rows and set(rows) <= set(layouts())
+    assert {"bvh2", "bvh2_spatial"} <= set(rows) <= set(names())
     for name, row in rows.items():
         assert row["camera"]["rays"] == 16 * 16 and row["camera"]["rays a second"] > 0.0
+        assert row["references a triangle"] >= 1.0 and row["cost"] > 1.0
         assert row["bounce"]["rays"] == rows["bvh2"]["bounce"]["rays"] > 0
         assert f"\n| {name} | " in done.stdout

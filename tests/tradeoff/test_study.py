@@ -63,9 +63,9 @@ def test_maths_is_in_the_grid_as_a_whole_and_by_stage() -> None:
     assert only_shade.options_of("shade") == ("-cl-mad-enable",) and only_shade.options_of("extend") == ()
 
 
-def test_every_layout_is_in_the_grid_and_one_of_low_quality() -> None:
+def test_every_layout_is_in_the_grid_and_every_build_quality() -> None:
     found = [s.value for s in settings(_scene(), 1.0) if s.factor == "accelerator"]
-    assert found == [*(name for name in layouts() if name != "flat"), "of low build quality"]
+    assert found == [*(name for name in layouts() if name != "flat"), "of low build quality", "with spatial splits"]
 
 
 def _study(scene: Scene, device: Any) -> tuple[measure.Study, measure.Runner, Render]:
