@@ -20,7 +20,7 @@ FROM_ON_CPU = 100_000
 """A CPU builds a tree from so many primitives on: below, numpy is done before the kept program is loaded (docs/performance.md)."""
 
 FROM_ON_GPU = 50_000
-"""A GPU does from so many on: numpy takes 7 µs each, so that ten renders have paid for the four seconds in which NVIDIA's compiler makes the program,
+"""A GPU does from so many on: numpy takes 7 µs each, so that six renders have paid for the two seconds in which NVIDIA's compiler makes the program,
 once a machine and driver; with the program kept, a build of so many is over in milliseconds."""
 
 DeviceLayout = Bvh2 | Bvh8 | Cwbvh
