@@ -93,17 +93,19 @@ def _accelerators() -> Iterator[Setting]:
     yield Setting("accelerator", "with spatial splits", overrides=Overrides(accelerator=with_spatial_splits(choose)), builds=True)
 
 
-class _HighTraversalCost:
+class _HighTraversalCost(Accelerator):
     """An accelerator whose builder is told that a step of traversal is dear, so that it makes the fullest leaves that its layout takes."""
 
     def __init__(self, accelerator: Accelerator, max_leaf_size: int) -> None:
-        self.accelerator, self.name, self.max_leaf_size = accelerator, accelerator.name, max_leaf_size
-        self.encode = accelerator.encode
+        self.accelerator, self.name, self.max_leaf_size = accelerator, accelerator.name, max_leaf_size  # type: ignore[misc]
 
     def build(self, lower: Any, upper: Any) -> Any:
         from lumiere.accel.build import build
 
         return build(lower, upper, max_leaf_size=self.max_leaf_size, traversal_cost=1e6)
+
+    def encode(self, topology: Any, records: Any) -> Any:
+        return self.accelerator.encode(topology, records)
 
 
 def _low_quality(shape: str, n_primitives: int, bounded: bool, wide: bool) -> Accelerator:

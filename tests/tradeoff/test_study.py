@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
+from lumiere.compile.scene import compile_scene
 from lumiere.rendering import Render
 from lumiere.scene.load import load
 from lumiere.scene.model import Scene
@@ -66,6 +68,16 @@ def test_maths_is_in_the_grid_as_a_whole_and_by_stage() -> None:
 def test_every_layout_is_in_the_grid_and_every_build_quality() -> None:
     found = [s.value for s in settings(_scene(), 1.0) if s.factor == "accelerator"]
     assert found == [*(name for name in layouts() if name != "flat"), "of low build quality", "with spatial splits"]
+
+
+@pytest.mark.parametrize("wide", [True, False])
+def test_every_accelerator_of_the_grid_takes_a_scene(wide: bool) -> None:
+    boxes = load({"scene": {"geometry": [{"type": "box"}, {"type": "box", "transform": [{"translate": [3, 0, 0]}]}, *SCENE["scene"]["geometry"]]}})
+    for setting in settings(boxes, 1.0):
+        if setting.factor == "accelerator":
+            compiled = compile_scene(boxes, wide=wide, choose_accelerator=setting.overrides.accelerator)
+            assert compiled.arrays["triangle_vertices"][1].nbytes == 24 * 36
+            assert "triangle_nodes" in compiled.arrays, setting.value
 
 
 def _study(scene: Scene, device: Any) -> tuple[measure.Study, measure.Runner, Render]:
