@@ -57,7 +57,7 @@ def preparation(path: Path, runs: int, device: str | None) -> dict[str, Any]:
         times["upload and programs"].append(render.seconds["compile"])
     arrays = wavefront.buffers.arrays
     return {name: figure(values, "s") for name, values in times.items()} | {
-        "triangles": len(arrays["triangle_vertices"][1].reshape(-1, 9)), "bytes": wavefront.buffers.bytes,
+        "triangles": arrays["triangle_vertices"][1].nbytes // 36, "bytes": wavefront.buffers.bytes,
         "bytes of accelerators": sum(array.nbytes for name, (_, array) in arrays.items() if name.startswith("triangle_"))}
 
 
