@@ -136,6 +136,28 @@ def watertightness(device: Any) -> Finding:
     return Finding(leaks == 0, f"{leaks} values lit through a surface without holes in {rays} rays, expected 0", record)
 
 
+def trees(device: Any) -> Finding:
+    """What rays meet does not depend on who built the tree: the picture of a rough sphere is the same to the bit with numpy's as with the device's own."""
+    n = 64
+    rows, columns = (grid.ravel() for grid in np.mgrid[:n, :n])
+    theta, phi = np.pi * (rows + 0.5) / n, 2.0 * np.pi * columns / n
+    radius = 1.0 + 0.2 * np.random.default_rng(6).random(n * n)
+    vertices = radius[:, None] * np.stack([np.sin(theta) * np.cos(phi), np.cos(theta), np.sin(theta) * np.sin(phi)], 1)
+    right, below = rows * n + (columns + 1) % n, np.minimum(rows + 1, n - 1) * n
+    faces = np.concatenate([np.stack([rows * n + columns, right, below + columns], 1), np.stack([right, below + (columns + 1) % n, below + columns], 1)])
+    scene = {"camera": {"position": [0, 1, 4], "look_at": [0, 0, 0], "fov": 40}, "film": {"width": 32, "height": 32}, "sampler": {"spp": 16},
+             "integrator": {"max_depth": 4}, "lights": [{"type": "environment", "radiance": 1}],
+             "geometry": [{"type": "mesh", "vertices": vertices.tolist(), "faces": faces.tolist(), "smooth": False}]}
+    images = []
+    for here in (False, True):
+        job = _job(scene, device, Overrides(build_on_device=here))
+        job.run()
+        images.append(job.image({}))
+    other = int(np.count_nonzero(images[0].pixels != images[1].pixels))
+    return Finding(other == 0, f"{other} of {images[0].pixels.size} values differ between the device's tree of {len(faces)} triangles and numpy's, expected 0",
+                   images[1].record)
+
+
 def stored(name: str) -> tuple[np.ndarray, np.ndarray]:
     """(h, w, 3) float64 mean and variance of the mean of a stored picture."""
     with resources.files("lumiere.doctor").joinpath(f"data/{name}.npz").open("rb") as file, np.load(file) as arrays:
@@ -173,4 +195,5 @@ CHECKS: dict[str, Callable[[Any], Finding]] = {
     **{f"furnace of {name}": partial(furnace, material) for name, material in WHITE.items()},
     "χ² of diffuse directions": distribution,
     "watertightness": watertightness,
+    "trees": trees,
     **{f"picture '{name}'": partial(picture, name) for name in SCENES}}

@@ -54,6 +54,7 @@ def test_all_is_well(device: Any, tmp_path: Path) -> None:
     ("furnace of mirror", "stages/escape.cl", "* radiance);", "* (radiance / 0.0f));"),
     ("χ² of diffuse directions", "lib/warp.cl", "d = square_to_disk(u)", "d = 0.97f * square_to_disk(u)"),
     ("watertightness", "shape/triangle_test.cl", "any(edges < 0.0f) && any(edges > 0.0f)", "any(edges <= 0.0f) && any(edges >= 0.0f)"),
+    ("trees", "accel/build/boxes.cl", "high < c ? c : high", "high"),
     ("picture 'glass'", "lib/fresnel.cl", "return 0.5f * (s * s + p * p)", "return 0.25f * (s * s + p * p)"),
 ], ids=lambda text: text.split("/")[-1] if "/" in text else None)
 def test_what_a_driver_miscompiles_is_found(device: Any, monkeypatch: pytest.MonkeyPatch, name: str, file: str, right: str, wrong: str) -> None:
