@@ -35,9 +35,17 @@ class OnDevice(Accelerator):
         self.builder = DeviceBuilder(context, queue, layout.name, layout.max_leaf_size, layout.block)
 
     def accelerate(self, shape: type[DeviceShape], records: np.ndarray, corners: np.ndarray | None = None) -> Accelerated:
-        """On the device but for ``order``, which the host gets, too."""
+        """On the device but for ``order``, which the host gets, too; on the host where the device has no room to build."""
+        import pyopencl as cl
+
         if len(records) <= self.layout.max_leaf_size:
             return self.layout.accelerate(shape, records, corners)
+        try:
+            return self._accelerate(shape, records, corners)
+        except (cl.MemoryError, cl.RuntimeError):  # as in lumiere/wavefront/memory.py, which says so where what has to be there does not fit either
+            return self.layout.accelerate(shape, records, corners)
+
+    def _accelerate(self, shape: type[DeviceShape], records: np.ndarray, corners: np.ndarray | None) -> Accelerated:
         builder = self.builder
         given = builder.upload(records)
         tree = builder.build_triangles(given["vertices"]) if shape is Triangle else builder.build(*shape.bounds(records))

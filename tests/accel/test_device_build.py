@@ -187,6 +187,21 @@ def test_a_handful_is_left_to_numpy(device: cl.Device) -> None:
     assert isinstance(arrays["blocks"], np.ndarray) and len(arrays["blocks"]) == 1
 
 
+@pytest.mark.parametrize("error", [cl.MemoryError, cl.RuntimeError])
+def test_where_the_device_has_no_room_the_host_builds(device: cl.Device, monkeypatch: pytest.MonkeyPatch, error: type[Exception]) -> None:
+    def no_room(*arguments: object) -> None:
+        raise error("no room")
+
+    context = context_of(device)
+    made = OnDevice(Bvh2(), context, cl.CommandQueue(context))
+    monkeypatch.setattr(made.builder, "allocate", no_room)
+    records = np.zeros(100, Triangle.record)
+    records["vertices"] = scattered(100)
+    built, expected = made.accelerate(Triangle, records), Bvh2().accelerate(Triangle, records)
+    assert isinstance(built.arrays["nodes"], np.ndarray) and np.array_equal(built.arrays["nodes"], expected.arrays["nodes"])
+    assert np.array_equal(built.order, expected.order)
+
+
 def test_who_builds(device: cl.Device) -> None:
     context = context_of(device)
     queue, least = cl.CommandQueue(context), FROM_ON_GPU if is_gpu(device) else FROM_ON_CPU
