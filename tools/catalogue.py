@@ -23,7 +23,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from benchmark import CACHES  # noqa: E402
+from benchmark_start import CACHES  # noqa: E402
 
 ONE = [{"type": "lambert", "albedo": 0.6}]
 FOUR = [*ONE, {"type": "conductor", "metal": "gold", "roughness": 0.3}, {"type": "dielectric"}, {"type": "plastic", "albedo": [0.1, 0.3, 0.6]}]
