@@ -1,28 +1,13 @@
 // Random numbers as a function of (seed, pixel, index of the sample, dimension).
 
+#include "lib/dimensions.cl"
 #include "lib/hash.cl"
 #include "lib/sequence.cl"
 #include "scene/sampler.cl"
 
-// Dimensions. Those of a path's vertex follow DIMENSION_VERTEX + depth × DIMENSIONS_A_VERTEX.
-#define DIMENSION_FILM 0u
-#define DIMENSION_LENS 1u
-#define DIMENSION_WAVELENGTH 2u // of each channel, where glass disperses (lib/dispersion.cl)
-#define DIMENSION_VERTEX 8u
-#define DIMENSIONS_A_VERTEX 8u
-#define DIMENSION_LIGHT 0u      // which light, and where on it
-#define DIMENSION_LOBE 2u       // which lobe of the BSDF
-#define DIMENSION_BSDF 3u       // which direction
-#define DIMENSION_ROULETTE 4u
-#define DIMENSION_MIX 5u        // which part of a mix
-// Of a step of the walk in a body, whose sequence is its own (lib/walk.cl); the first flight is on the surface's.
-#define DIMENSION_PHASE 3u
-#define DIMENSION_STEP_ROULETTE 4u
-#define DIMENSION_FLIGHT 6u     // channel and distance
-
 static inline uint vertex_dimension(uint depth, uint which)
 {
-    return DIMENSION_VERTEX + depth * DIMENSIONS_A_VERTEX + which;
+    return (depth + 1u) * DIMENSIONS_A_VERTEX + which;
 }
 
 // The pixel and the sample of it that a place in the batch stands for: a pixel's samples lie side by side, pixels in tiles of 8 × 8.

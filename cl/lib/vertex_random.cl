@@ -35,7 +35,7 @@ static inline void vertex_numbers_draw(const scene_t *scene, const path_t *path,
         deepest = max(deepest, depth.lane[lane]);
     }
     const sequence_t_lanes sampler = {seed.all, index.all};
-    const uint16 dimension = DIMENSION_VERTEX + depth.all * DIMENSIONS_A_VERTEX;
+    const uint16 dimension = (depth.all + 1u) * DIMENSIONS_A_VERTEX;
     const pair_t_lanes light = sample_2d_lanes(&sampler, dimension + DIMENSION_LIGHT), bsdf = sample_2d_lanes(&sampler, dimension + DIMENSION_BSDF);
     numbers->light_x->all = light.x;
     numbers->light_y->all = light.y;

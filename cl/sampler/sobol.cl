@@ -1,6 +1,10 @@
-// Owen-scrambled Sobol points in two dimensions, padded: each pair of dimensions is the Sobol (0, 2)-sequence with an order and a scrambling
-// of its own (Burley 2020, "Practical Hash-based Owen Scrambling", §5). Any 2^k first samples are stratified in each pair.
+// Owen-scrambled Sobol points in two dimensions: each pair of dimensions is the Sobol (0, 2)-sequence with a scrambling and an order of its own
+// (Burley 2020, "Practical Hash-based Owen Scrambling", §5). Any 2^k first samples are stratified in each pair.
+//
+// The orders of pairs that one contribution depends on go together, so that it is stratified over all of their dimensions: the way by which a path leaves
+// a vertex (the camera's: the point of the film) and the next one, and the light that is drawn where either has led. The others' know nothing of each other.
 
+#include "lib/dimensions.cl"
 #include "lib/hash.cl"
 
 static inline LANES reverse_bits(LANES x)
@@ -42,6 +46,33 @@ static inline LANES shuffled_index(LANES index, LANES seed)
     return reverse_bits(scramble_reversed(reverse_bits(index), seed));
 }
 
+// A digit of x in base 4 chooses a quarter of the square. To those that `mask` holds, a linear function of the digit `shift` bits above is added: of 1 it
+// is `one`, of 2 `two`, and of 3 their sum, all sums being without carry.
+static inline LANES add_digits(LANES x, uint mask, uint shift, uint one, uint two)
+{
+    const LANES above = x >> shift, low = above & mask & 0x55555555u, high = (above >> 1) & mask & 0x55555555u;
+    return x ^ (low * one) ^ (high * two);
+}
+
+// Orders that go with that of `index`: its digits times an upper triangular matrix, a product over distances of 1, 2, 4 and 8 digits as Pascal's triangle is.
+// With the functions of Faure's sequences (1982) two orders go together, but of three two would not. These are what a search has found: any two of the
+// three are a (t, k, 4)-net in the first 2^k points, with t at most 2 for 16 and 64 points and 4 for 256 (tests/sampler).
+static inline LANES second_order(LANES index)
+{
+    index = add_digits(index, 0x33333333u, 2u, 0u, 1u);
+    index = add_digits(index, 0x0f0f0f0fu, 4u, 2u, 3u);
+    index = add_digits(index, 0x00ff00ffu, 8u, 3u, 0u);
+    return add_digits(index, 0x0000ffffu, 16u, 2u, 3u);
+}
+
+static inline LANES third_order(LANES index)
+{
+    index = add_digits(index, 0x33333333u, 2u, 1u, 3u);
+    index = add_digits(index, 0x0f0f0f0fu, 4u, 2u, 2u);
+    index = add_digits(index, 0x00ff00ffu, 8u, 1u, 0u);
+    return add_digits(index, 0x0000ffffu, 16u, 3u, 1u);
+}
+
 static inline LANES sample_1d(const sequence_t *sampler, LANES dimension)
 {
     const LANES seed = hash_combine(sampler->seed, dimension);
@@ -51,8 +82,13 @@ static inline LANES sample_1d(const sequence_t *sampler, LANES dimension)
 
 static inline pair_t sample_2d(const sequence_t *sampler, LANES dimension)
 {
-    const LANES seed = hash_combine(sampler->seed, dimension);
-    const LANES index = shuffled_index(sampler->index, seed);
+    const LANES seed = hash_combine(sampler->seed, dimension), which = dimension % DIMENSIONS_A_VERTEX;
+    // Two vertices share an order: that of the first's direction.
+    const LANES vertex = dimension / DIMENSIONS_A_VERTEX - (which == DIMENSION_LIGHT ? (LANES)(1u) : (LANES)(0u));
+    const LANES first = (vertex - vertex % 2u) * DIMENSIONS_A_VERTEX + DIMENSION_BSDF;
+    const LANES shared = which == DIMENSION_LIGHT ? first : which == DIMENSION_BSDF ? first : dimension;
+    LANES index = shuffled_index(sampler->index, hash_combine(sampler->seed, shared));
+    index = which == DIMENSION_LIGHT ? third_order(index) : which == DIMENSION_BSDF ? (vertex % 2u == 0u ? index : second_order(index)) : index;
     const pair_t pair = {reverse_bits(scramble_reversed(index, hash_uint(seed ^ 0x5bd1e995u))),
                          reverse_bits(scramble_reversed(sobol_second_reversed(index), hash_uint(seed ^ 0x27d4eb2fu)))};
     return pair;

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 import pyopencl as cl
@@ -16,8 +16,8 @@ from tests.statistics import chi_square, sidak
 Array = np.ndarray
 
 SAMPLERS = ("independent", "sobol", "stratified")
-DIMENSIONS = (0, 1, 8, 9, 11, 12, 17, 19, 139)
-"""Film, lens, and some of a path's first, second and seventeenth vertex."""
+DIMENSIONS = (0, 3, 8, 9, 11, 12, 16, 17, 19, 24, 139)
+"""Lens, film, and some of a path's first, second, third and seventeenth vertex; those that are 0 or 3 modulo 8, light and direction, make the chain."""
 
 KERNEL = """
     uint first = 4u * item;
@@ -86,21 +86,23 @@ def test_dimensions_are_independent(device: cl.Device, kind: str) -> None:
 
 @pytest.mark.parametrize("kind", SAMPLERS)
 def test_dimensions_of_one_pixel_know_nothing_of_each_other(device: cl.Device, kind: str) -> None:
-    """What a padded sampler may get wrong: within a pixel, the samples of two dimensions must fill the square as if they were drawn apart.
+    """What a padded sampler may get wrong: within a pixel, the samples of two dimensions must fill the square at least as if they were drawn apart.
 
     The products of the signs of two numbers, about ½ and about ¼ and ¾, must average to 0 over pixels. Orders that keep blocks of 2^k together,
     or jump between few strata, let samples coincide in pairs: the mean over a pixel may vary at most twice as much as that of independent ones.
+    (Two lights of a path may share Sobol's order: they are summed, no contribution depends on both.)
     """
     pixels, count = 512, 64
     index, pixel = np.tile(np.arange(count), pixels), np.repeat(np.arange(pixels), count)
     u = {d: numbers(device, kind, pixel, pixel // 7, index, d).reshape(pixels, count, 3) for d in DIMENSIONS}
     z, spread = [], []
     for a, b in combinations(DIMENSIONS, 2):
-        for i, j in ((0, 0), (1, 1), (2, 1)):
+        both_lights = kind == "sobol" and 0 < a and a % 8 == b % 8 == 0
+        for i, j in ((0, 0),) if both_lights else ((0, 0), (1, 1), (2, 1)):
             for cells in (1, 2):
                 signs = np.sign((cells * u[a][..., i]) % 1.0 - 0.5) * np.sign((cells * u[b][..., j]) % 1.0 - 0.5)
                 means = signs.mean(axis=1)
-                z.append(means.mean() * np.sqrt(pixels / means.var(ddof=1)))
+                z.append(means.mean() * np.sqrt(pixels) / max(means.std(ddof=1), 1e-9))  # 0 where each pixel's samples are balanced
                 spread.append(np.square(means).mean() * count)
     level = sidak(1e-3, len(z))
     assert np.abs(z).max() < stats.t.isf(level / 2.0, pixels - 1)
@@ -111,7 +113,7 @@ def test_dimensions_of_one_pixel_know_nothing_of_each_other(device: cl.Device, k
 def test_neighbouring_pixels_are_independent(device: cl.Device, kind: str) -> None:
     levels = []
     for dx, dy in ((1, 0), (0, 1), (1, 1), (8, 0)):
-        for dimension in (0, 8, 11):
+        for dimension in (3, 8, 11):
             u = numbers(device, kind, PIXELS[:, 0], PIXELS[:, 1], 3, dimension)
             v = numbers(device, kind, PIXELS[:, 0] + dx, PIXELS[:, 1] + dy, 3, dimension)
             levels += [evenly(in_cells(u[:, i], v[:, i], cells=16)) for i in range(3)]
@@ -139,6 +141,24 @@ def test_sobol_fills_every_elementary_interval(device: cl.Device, log_count: int
                 cell = np.floor(u[:, 1] * columns) * rows + np.floor(u[:, 2] * rows)
                 assert len(np.unique(cell)) == count, f"dimension {dimension}, samples from {block * count}, {columns} × {rows} boxes"
             assert len(np.unique(np.floor(u[:, 0] * count))) == count
+
+
+@pytest.mark.parametrize(("log_count", "t"), [(4, 2), (6, 2), (8, 4)])
+@pytest.mark.parametrize("links", [(3, 8), (3, 11), (3, 16), (11, 16), (19, 24), (19, 27), (19, 32), (27, 32), (139, 144)])
+def test_sobol_fills_boxes_of_two_pairs(device: cl.Device, links: tuple[int, int], log_count: int, t: int) -> None:
+    """What goes together on a path, two directions in a row, and the light where each has led, is a (t, k, 4)-net: each 2^k samples put 2^t points
+    in every box of volume 2^(t − k) with sides of powers of two. (Orders of their own would leave some empty.)"""
+    count, boxes = 1 << log_count, 1 << (log_count - t)
+    for block in (0, 5):
+        first, second = (numbers(device, "sobol", 3, 8, np.arange(count) + block * count, dimension) for dimension in links)
+        u = np.concatenate([first[:, 1:], second[:, 1:]], axis=1)
+        for sides in product(range(log_count - t + 1), repeat=4):
+            if sum(sides) != log_count - t:
+                continue
+            cell = np.zeros(count, np.int64)
+            for side, coordinate in zip(sides, u.T, strict=True):
+                cell = (cell << side) + np.floor(coordinate * (1 << side)).astype(np.int64)
+            assert np.all(np.bincount(cell, minlength=boxes) == 1 << t), f"samples from {block * count}, boxes of 2^-{sides}"
 
 
 @pytest.mark.parametrize("spp", [1, 2, 7, 16, 60, 64, 101])
