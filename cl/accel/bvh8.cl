@@ -30,17 +30,16 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
             uint before = size;
             VISIT_NODE(scene);
             global const uint *node = SHAPE_BUFFER(nodes) + 64 * (size_t)current;
-            bvh8_uints_t children;
-            children.all = *(global const uint8 *)(node + 48);  // before the boxes are tested, so that it is not waited for behind them
+            global const uint *children = node + 48;
             bvh8_floats_t enter;
             ulong lanes = bvh8_enter(&wide, (global const float *)node, hit->t, &enter);
             if (lanes) {
                 // The nearest stays at hand and the others are sorted on the stack; for any hit the order does not matter.
                 uint lane = bvh8_first_lane(lanes);
-                ulong next = SHAPE_FUNCTION(entry)(scene, children.lane[lane], enter.lane[lane]);
+                ulong next = SHAPE_FUNCTION(entry)(scene, children[lane], enter.lane[lane]);
                 while (lanes &= lanes - 1UL) {
                     lane = bvh8_first_lane(lanes);
-                    ulong entry = SHAPE_FUNCTION(entry)(scene, children.lane[lane], enter.lane[lane]);
+                    ulong entry = SHAPE_FUNCTION(entry)(scene, children[lane], enter.lane[lane]);
                     ulong later = any_hit || entry < next ? next : entry;
                     next = any_hit || entry < next ? entry : next;
                     uint at = size++;

@@ -47,11 +47,6 @@ typedef union {
     float lane[8];
 } bvh8_floats_t;
 
-typedef union {
-    uint8 all;
-    uint lane[8];
-} bvh8_uints_t;
-
 // Of a block's triangles: (count − 1) << 28 | the first.
 static inline uint bvh8_range(global const float *block)
 {

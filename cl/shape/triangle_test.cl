@@ -14,19 +14,13 @@ typedef struct {
 
 static inline triangle_ray_t triangle_prepare(const ray_t *ray)
 {
-    float3 d = ray->d, o = ray->o, length = fabs(ray->d);
+    float3 d = ray->d, o = ray->o, length = as_float3(as_int3(d) & 0x7fffffff);
+    // By masks: which axis it is, no processor could foretell for a branch, and fabs is a call on some runtimes.
+    const int3 along_x = (int3)(-((length.x >= length.y) & (length.x >= length.z))), along_y = (int3)(-(length.y >= length.z));
+    d = along_x ? d.yzx : along_y ? d.zxy : d;
+    o = along_x ? o.yzx : along_y ? o.zxy : o;
     triangle_ray_t prepared;
-    if (length.x >= length.y && length.x >= length.z) {
-        prepared.axis = (uint3)(1, 2, 0);
-        d = d.yzx;
-        o = o.yzx;
-    } else if (length.y >= length.z) {
-        prepared.axis = (uint3)(2, 0, 1);
-        d = d.zxy;
-        o = o.zxy;
-    } else {
-        prepared.axis = (uint3)(0, 1, 2);
-    }
+    prepared.axis = along_x ? (uint3)(1, 2, 0) : along_y ? (uint3)(2, 0, 1) : (uint3)(0, 1, 2);
     prepared.o = o;
     prepared.shear = (float3)(d.x / d.z, d.y / d.z, 1.0f / d.z);
     return prepared;
