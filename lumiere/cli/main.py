@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import gc
 import logging
 import os
 import sys
@@ -47,7 +46,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     logger.addHandler(handler)
     try:
         options = parser().parse_args(arguments)
-        return options.run(options)
+        status: int = options.run(options)
+        sys.stdout.flush()  # here, where a reader that has gone is seen
+        return status
     except LumiereError as error:
         sys.stderr.write(f"lumiere: {error}\n")
         return error.exit_status
@@ -61,9 +62,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         logger.removeHandler(handler)
 
 
-def command() -> int:
-    """The process's whole life: ``main``, and an end without a search for cycles in all that was imported (18 ms in place of 45)."""
-    try:
-        return main()
-    finally:
-        gc.freeze()
+def command() -> NoReturn:
+    """The process's whole life: ``main``, and an end at once. What was imported and the driver's context are the system's to take back:
+    taking them apart takes 0.05 s on PoCL and 0.15 s on NVIDIA.
+    """
+    status = main()
+    sys.stderr.flush()
+    os._exit(status)
