@@ -2,7 +2,8 @@
 // lumiere/accel/flat16.py says what is in the array.
 //
 // The test is Möller & Trumbore's (1997, "Fast, Minimum Storage Ray/Triangle Intersection") with the bound of its roundings: lanes so near to an
-// edge that they could be on either side, and NaN, go to the watertight test of shape/triangle_test.cl, one by one.
+// edge that they could be on either side, and NaN, go to the watertight test of shape/triangle_test.cl, one by one. Two triangles that are a parallelogram
+// are met as one, p = v0 + u e1 + v e2 with u and v up to 1; the diagonal u = v parts them.
 
 #include "accel/packet.cl"
 #include "accel/template.cl"
@@ -21,6 +22,12 @@ typedef union {
     int16 all;
     int lane[16];
 } flat16_lanes_t;
+
+// Triangles that the row stands for: 2 for a parallelogram.
+static inline uint flat16_triangles(global const float *plane)
+{
+    return plane[17] > 0.0f ? 2u : 1u;
+}
 
 static inline float16 flat16_abs(float16 x)
 {
@@ -67,7 +74,7 @@ static inline int16 flat16_test(const packet_t *packet, const flat16_directions_
     test->u = as_float16(as_int16(u) ^ sign);
     test->v = as_float16(as_int16(v) ^ sign);
     test->height = as_float16(as_int16(above) ^ sign);
-    float16 w = test->size - test->u - test->v;
+    float16 w = test->size - (flat16_triangles(plane) == 2u ? (test->u > test->v ? test->u : test->v) : test->u + test->v);
     float16 least = test->u < test->v ? test->u : test->v;
     least = w < least ? w : least;
     float16 bound = (cx + cy + cz) * plane[15] + plane[16];
@@ -83,15 +90,24 @@ static inline void SHAPE_FUNCTION(nearest_packet)(const scene_t *scene, packet_t
     const flat16_directions_t d = flat16_directions(packet);
     float16 height = packet->t.all / d.scale, size = (float16)(1.0f), u = (float16)(0.0f), v = (float16)(0.0f);
     int16 index = (int16)(-1);
-    for (uint i = 0u; i < SHAPE_COUNT; i++) {
+    for (uint i = 0u, triangles; i < SHAPE_COUNT; i += triangles) {
         VISIT_PRIMITIVES(scene, packet->rays);
         flat16_test_t test;
+        triangles = flat16_triangles(SHAPE_BUFFER(planes) + 20 * i);
         int16 met = flat16_test(packet, &d, SHAPE_BUFFER(planes) + 20 * i, height, size, &test), sure = met & ~test.doubt;
         height = sure ? test.height : height;
         size = sure ? test.size : size;
+        index = sure ? (int16)((int)i) : index;
+        if (triangles == 2u) {
+            // Of the first triangle, a, b, c, or the second, a, c, d, where (u, v) are along b − a and d − a.
+            const int16 second = sure & (test.v > test.u);
+            index = second ? (int16)((int)i + 1) : index;
+            const float16 other = test.v - test.u;
+            test.u = second ? test.u : -other;
+            test.v = second ? other : test.v;
+        }
         u = sure ? test.u : u;
         v = sure ? test.v : v;
-        index = sure ? (int16)((int)i) : index;
         if (!flat16_any(met & test.doubt))
             continue;
         // Seldom, and by copies, so that what is above stays in registers.
@@ -99,25 +115,29 @@ static inline void SHAPE_FUNCTION(nearest_packet)(const scene_t *scene, packet_t
         flat16_lanes_t doubt, decided;
         t.all = height / size * d.scale;
         doubt.all = met & test.doubt;
-        decided.all = (int16)(0);
+        decided.all = index;
         for (uint lane = 0u; lane < PACKET; lane++) {
             if (!doubt.lane[lane])
                 continue;
             const ray_t ray = packet_ray(packet, lane);
             const SHAPE_FUNCTION(ray_t) prepared = SHAPE_FUNCTION(prepare)(&ray);
-            hit_t hit;
-            if (SHAPE_FUNCTION(intersect)(scene, i, &ray, &prepared, t.lane[lane], &hit)) {
-                t.lane[lane] = hit.t;
-                lane_u.lane[lane] = hit.u;
-                lane_v.lane[lane] = hit.v;
-                decided.lane[lane] = -1;
+            doubt.lane[lane] = 0;
+            for (uint k = i; k < i + triangles; k++) {
+                hit_t hit;
+                if (SHAPE_FUNCTION(intersect)(scene, k, &ray, &prepared, t.lane[lane], &hit)) {
+                    t.lane[lane] = hit.t;
+                    lane_u.lane[lane] = hit.u;
+                    lane_v.lane[lane] = hit.v;
+                    decided.lane[lane] = (int)k;
+                    doubt.lane[lane] = -1;
+                }
             }
         }
-        height = decided.all ? t.all / d.scale : height;
-        size = decided.all ? (float16)(1.0f) : size;
-        u = decided.all ? lane_u.all : u;
-        v = decided.all ? lane_v.all : v;
-        index = decided.all ? (int16)((int)i) : index;
+        height = doubt.all ? t.all / d.scale : height;
+        size = doubt.all ? (float16)(1.0f) : size;
+        u = doubt.all ? lane_u.all : u;
+        v = doubt.all ? lane_v.all : v;
+        index = decided.all;
     }
     flat16_lanes_t of;
     of.all = index;
@@ -137,9 +157,10 @@ static inline void SHAPE_FUNCTION(occluded_packet)(const scene_t *scene, packet_
     const flat16_directions_t d = flat16_directions(packet);
     const float16 t = packet->t_max.all / d.scale;
     int16 blocked = (int16)(0);
-    for (uint i = 0u; i < SHAPE_COUNT; i++) {
+    for (uint i = 0u, triangles; i < SHAPE_COUNT; i += triangles) {
         VISIT_PRIMITIVES(scene, packet->rays);
         flat16_test_t test;
+        triangles = flat16_triangles(SHAPE_BUFFER(planes) + 20 * i);
         int16 met = flat16_test(packet, &d, SHAPE_BUFFER(planes) + 20 * i, t, (float16)(1.0f), &test) & ~blocked;
         blocked |= met & ~test.doubt;
         if (!flat16_any(met & test.doubt))
@@ -151,8 +172,11 @@ static inline void SHAPE_FUNCTION(occluded_packet)(const scene_t *scene, packet_
                 continue;
             const ray_t ray = packet_ray(packet, lane);
             const SHAPE_FUNCTION(ray_t) prepared = SHAPE_FUNCTION(prepare)(&ray);
-            hit_t hit;
-            doubt.lane[lane] = SHAPE_FUNCTION(intersect)(scene, i, &ray, &prepared, ray.t_max, &hit) ? -1 : 0;
+            doubt.lane[lane] = 0;
+            for (uint k = i; k < i + triangles; k++) {
+                hit_t hit;
+                doubt.lane[lane] |= SHAPE_FUNCTION(intersect)(scene, k, &ray, &prepared, ray.t_max, &hit) ? -1 : 0;
+            }
         }
         blocked |= doubt.all;
     }

@@ -14,11 +14,12 @@ ROUNDING = 2.0**-24
 
 
 class Flat16(Accelerator):
-    """80 bytes a triangle.
+    """80 bytes a triangle. Two in a row that are a parallelogram, as those of rectangles and boxes, are met as one.
 
     ``planes``: (n, 20) float32: vertex 0; the edges e1 and e2 from it to vertices 1 and 2, and their cross product n, all times a power of two that
     brings n to the order of 1; the bound of the rounding of a height over the plane, relative to |v0 − o| (x, y, z) for the origin o; that of the ray's
-    edge functions, E relative to |v0 − o|₁ and T, where the direction's coordinates are at most 1. Then nothing.
+    edge functions, E relative to |v0 − o|₁ and T, where the direction's coordinates are at most 1; 1 where the triangle and the next are one parallelogram,
+    of which e1 and e2 then are the edges, or 0. Then nothing.
     """
 
     name: ClassVar[str] = "flat16"
@@ -30,6 +31,8 @@ class Flat16(Accelerator):
     def encode(self, topology: Topology, records: np.ndarray) -> dict[str, np.ndarray]:
         """The array above, for triangle ``records``."""
         v0, v1, v2 = np.moveaxis(records["vertices"].astype(np.float32), 1, 0)
+        paired = _parallelograms(v0, v1, v2)
+        v2 = np.where(paired[:, None], np.roll(v2, -1, axis=0), v2)
         planes = np.zeros((len(records), 20), np.float32)
         with np.errstate(over="ignore", invalid="ignore"):  # what overflows is left to the test of single rays
             e1, e2 = v1 - v0, v2 - v0
@@ -44,4 +47,16 @@ class Flat16(Accelerator):
                                               64.0 * ROUNDING * terms.sum(axis=1, keepdims=True)], axis=1), -exponent)
             planes[:, :3], planes[:, 3:17] = v0, scaled
             planes[:, 16] += 1e-36  # products may underflow, too
+            planes[:, 17] = paired
         return {"planes": planes}
+
+
+def _parallelograms(v0: np.ndarray, v1: np.ndarray, v2: np.ndarray) -> np.ndarray:
+    """(n,) bool: whether triangle i, of vertices a, b, c, and the next, of a, c, d, are exactly the parallelogram a, b, c, d; no triangle is of two."""
+    a, b, c, d = (v.astype(np.float64) for v in (v0[:-1], v1[:-1], v2[:-1], v2[1:]))
+    with np.errstate(over="ignore", invalid="ignore"):
+        whole = np.all((a == v0[1:]) & (c == v1[1:]) & (a + c == b + d), axis=1)
+    paired = np.zeros(len(v0), bool)
+    for i in np.flatnonzero(whole):
+        paired[i] = i == 0 or not paired[i - 1]
+    return paired

@@ -50,6 +50,35 @@ def test_packets_meet_what_single_rays_meet(device: cl.Device, count: int, scale
     assert_like_single_rays(device, triangles, origins, directions * 1e3, random.uniform(0.0, 2e-3, len(origins)))
 
 
+def parallelograms(count: int, random: np.random.Generator) -> np.ndarray:
+    """(2 count, 3, 3) float32: a, b, c and a, c, d, on a grid where a + c = b + d is exact."""
+    a, b, d = np.moveaxis(random.integers(-64, 64, (count, 3, 3)) / 64.0, 1, 0)
+    c = b + d - a
+    return np.stack([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)], axis=1).reshape(-1, 3, 3).astype(np.float32)
+
+
+def test_parallelograms_are_met_as_their_triangles(device: cl.Device) -> None:
+    random = np.random.default_rng(9)
+    pairs = parallelograms(16, random)
+    lone = random.random((5, 3, 3)).astype(np.float32)
+    # A fan of three triangles has one parallelogram at most; two in another order, or a hair apart, are none.
+    others = parallelograms(5, random)
+    a, c, d = others[1]
+    others[3, 2] = np.nextafter(others[3, 2], np.float32(9.0))
+    triangles = np.concatenate([lone[:2], pairs, lone[2:], others[:2], [[a, d, a + d - c]], others[2:4], others[9:3:-1]])
+    met_as_one = Flat16().encode(Flat16().build(triangles.min(axis=1), triangles.max(axis=1)), _records(triangles))["planes"][:, 17]
+    assert np.flatnonzero(met_as_one).tolist() == [*range(2, 34, 2), 37]
+    origins, directions = rays_around(triangles, 20_011, random)
+    primitives = assert_like_single_rays(device, triangles, origins, directions)
+    assert len(np.unique(primitives)) > 40  # both triangles of nearly all
+
+
+def _records(triangles: np.ndarray) -> np.ndarray:
+    records = np.zeros(len(triangles), [("vertices", np.float32, (3, 3))])
+    records["vertices"] = triangles
+    return records
+
+
 def octahedron(turn: np.ndarray) -> np.ndarray:
     """(8, 3, 3) float32, turned by a matrix."""
     corners = np.concatenate([np.eye(3), -np.eye(3)]) @ turn.T
@@ -57,13 +86,22 @@ def octahedron(turn: np.ndarray) -> np.ndarray:
     return corners[np.array(faces)].astype(np.float32)
 
 
-def test_no_ray_slips_out_between_triangles(device: cl.Device) -> None:
+def cube() -> np.ndarray:
+    """(12, 3, 3) float32, two and two a parallelogram."""
+    x, y, z = np.eye(3)
+    faces = [(side * n, a, b) for n, a, b in ((x, y, z), (y, z, x), (z, x, y)) for side in (-1.0, 1.0)]
+    corners = [(m - a - b, m + a - b, m + a + b, m - a + b) for m, a, b in faces]
+    return np.float32([[[p, q, r], [p, r, s]] for p, q, r, s in corners]).reshape(-1, 3, 3)
+
+
+@pytest.mark.parametrize("body", ["octahedron", "cube"])
+def test_no_ray_slips_out_between_triangles(device: cl.Device, body: str) -> None:
     """From inside a closed body towards its edges and vertices, to the float: every ray meets it."""
     random = np.random.default_rng(5)
     turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
-    triangles = octahedron(turn)
+    triangles = octahedron(turn) if body == "octahedron" else cube()
     n = 200_000
-    at = random.integers(8, size=n), random.integers(3, size=n)
+    at = random.integers(len(triangles), size=n), random.integers(3, size=n)
     start, end = triangles[at], triangles[at[0], (at[1] + 1) % 3]
     along = random.choice([0.0, 0.25, 0.5, 1.0], (n, 1)) * random.choice([1.0, 0.37], (n, 1))
     origins = random.choice([0.0, 0.1], (n, 1)) * random.normal(size=(n, 3))
