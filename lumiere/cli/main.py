@@ -64,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def command() -> NoReturn:
     """The process's whole life: ``main``, and an end at once. What was imported and the driver's context are the system's to take back:
-    taking them apart takes 0.05 s on PoCL and 0.15 s on NVIDIA.
+    taking them apart takes 0.03 s of a start of 0.65 s on PoCL, and 0.13 s on NVIDIA.
     """
     status = main()
     sys.stderr.flush()
