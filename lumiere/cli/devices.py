@@ -32,7 +32,6 @@ def run(options: argparse.Namespace) -> int:
         if complaint:
             lines.append(f"       {complaint}")
     sys.stdout.write("\n".join(lines) + "\n")
-    sys.stdout.flush()
     return 0
 
 

@@ -46,5 +46,4 @@ def run(options: argparse.Namespace) -> int:
     failed = [outcome.name for outcome in done if not outcome.finding.passed]
     verdict = f"this machine does not render correctly; failed: {', '.join(failed)}" if failed else "all is well"
     sys.stdout.write(f"{verdict}; wrote {path}\n")
-    sys.stdout.flush()
     return FAILED if failed else 0

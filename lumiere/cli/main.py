@@ -45,9 +45,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     logger = logging.getLogger("lumiere")
     logger.addHandler(handler)
     try:
-        options = parser().parse_args(arguments)
-        status: int = options.run(options)
-        sys.stdout.flush()  # here, where a reader that has gone is seen
+        try:
+            options = parser().parse_args(arguments)
+            status: int = options.run(options)
+        finally:
+            sys.stdout.flush()  # whatever happens, and here, where a reader that has gone is seen
         return status
     except LumiereError as error:
         sys.stderr.write(f"lumiere: {error}\n")

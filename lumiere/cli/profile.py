@@ -40,7 +40,6 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(f"found {found}, expected one of them; see `lumiere profile --help`")
     if options.compare is not None:
         sys.stdout.write(compare_text(*(read_summary(Path(name)) for name in options.compare)))
-        sys.stdout.flush()
         return 0
     return _profile(options)
 

@@ -33,5 +33,4 @@ def run(options: argparse.Namespace) -> int:
     scene = api.with_options(api.load(options.scene), {name: getattr(options, name) for name in ("seed", "spp", "width", "height", "max_depth")})
     for line in trace_path(scene, tuple(options.pixel), options.sample, options.device):
         sys.stdout.write(line + "\n")
-    sys.stdout.flush()
     return 0

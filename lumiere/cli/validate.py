@@ -29,5 +29,4 @@ def run(options: argparse.Namespace) -> int:
     counts = ", ".join(f"{len(things)} {noun}{'' if len(things) == 1 else 's'}" for noun, things in (
         ("shape", scene.geometry), ("light", scene.lights), ("material", scene.materials), ("texture", scene.textures)))
     sys.stdout.write(f"{options.scene}: valid ({counts})\n")
-    sys.stdout.flush()
     return 0

@@ -350,3 +350,23 @@ def test_the_process_ends_with_the_commands_status(tmp_path: Path, arguments: li
     done = subprocess.run([sys.executable, "-m", "lumiere", *arguments], cwd=tmp_path, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
                           capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (status, said) and "Traceback" not in done.stderr
+
+
+def test_what_a_command_has_said_is_not_lost_with_the_process() -> None:
+    """The process ends at once, but not before its output is out: also that of a command that fails half way."""
+    code = """if True:
+        import sys
+        from lumiere.cli import main, validate
+        from lumiere.errors import LumiereError
+        def run(options):
+            sys.stdout.write("half\\n")
+            if options.scene == "bad":
+                raise LumiereError("the other half")
+            return 0
+        validate.run = run
+        main.command()
+    """
+    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    for scene, status, error in (("good", 0, ""), ("bad", 1, "lumiere: the other half\n")):
+        done = subprocess.run([sys.executable, "-c", code, "validate", scene], env=buffered, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stdout, done.stderr) == (status, "half\n", error)

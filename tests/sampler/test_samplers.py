@@ -17,7 +17,7 @@ Array = np.ndarray
 
 SAMPLERS = ("independent", "sobol", "stratified")
 DIMENSIONS = (0, 3, 8, 9, 11, 12, 16, 17, 19, 24, 139)
-"""Lens, film, and some of a path's first, second, third and seventeenth vertex; those that are 0 or 3 modulo 8, light and direction, make the chain."""
+"""Lens, film, and some of a path's first, second, third and seventeenth vertex: modulo 8, 0 is a light and 3 a direction."""
 
 KERNEL = """
     uint first = 4u * item;
