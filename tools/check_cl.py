@@ -95,6 +95,7 @@ def scenes(folder: Path) -> Iterator[dict[str, Any]]:
                          | ({"aperture_radius": 0.1, "focus_distance": 3} if camera == "thin_lens" else {}),
                          "sampler": {"type": sampler or samplers[0]}, "film": {"aovs": list(AOVS)},
                          "textures": textures, "materials": materials, "geometry": [*balls, *shapes], "lights": lights}}
+    yield {"scene": {"geometry": [{"type": "box", "emission": 1}], "lights": lights}}  # shaded in lanes (cl/lib/lanes.cl)
     few = [{"type": "box"}, {"type": "sphere", "position": [0, 2, 0], "radius": 0.5}]
     yield {"scene": {"geometry": few, "lights": [{"type": "environment", "file": str(picture)}]}}
 

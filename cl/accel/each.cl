@@ -5,7 +5,7 @@
 
 static inline void SHAPE_FUNCTION(nearest_packet)(const scene_t *scene, packet_t *packet)
 {
-    for (uint lane = 0u; lane < PACKET; lane++) {
+    for (uint lane = 0u; lane < LANES; lane++) {
         const ray_t ray = packet_ray(packet, lane);
         hit_t hit;
         hit.t = packet->t.lane[lane];
@@ -13,17 +13,17 @@ static inline void SHAPE_FUNCTION(nearest_packet)(const scene_t *scene, packet_t
             packet->t.lane[lane] = hit.t;
             packet->u.lane[lane] = hit.u;
             packet->v.lane[lane] = hit.v;
-            packet->primitive[lane] = hit.primitive;
-            packet->met[lane] = 1u;
+            packet->primitive.lane[lane] = hit.primitive;
+            packet->met.lane[lane] = -1;
         }
     }
 }
 
 static inline void SHAPE_FUNCTION(occluded_packet)(const scene_t *scene, packet_t *packet)
 {
-    for (uint lane = 0u; lane < PACKET; lane++) {
+    for (uint lane = 0u; lane < LANES; lane++) {
         const ray_t ray = packet_ray(packet, lane);
-        if (ray.t_max > 0.0f && !packet->met[lane])
-            packet->met[lane] = SHAPE_FUNCTION(occluded)(scene, &ray);
+        if (ray.t_max > 0.0f && !packet->met.lane[lane])
+            packet->met.lane[lane] = SHAPE_FUNCTION(occluded)(scene, &ray) ? -1 : 0;
     }
 }

@@ -18,11 +18,6 @@ typedef struct {
     int16 doubt;                 // lanes that SHAPE_intersect has to decide
 } flat16_test_t;
 
-typedef union {
-    int16 all;
-    int lane[16];
-} flat16_lanes_t;
-
 // Triangles that the row stands for: 2 for a parallelogram.
 static inline uint flat16_triangles(global const float *plane)
 {
@@ -32,14 +27,6 @@ static inline uint flat16_triangles(global const float *plane)
 static inline float16 flat16_abs(float16 x)
 {
     return as_float16(as_int16(x) & 0x7fffffff);
-}
-
-static inline bool flat16_any(int16 mask)
-{
-    int8 a = mask.lo | mask.hi;
-    int4 b = a.lo | a.hi;
-    int2 c = b.lo | b.hi;
-    return (c.x | c.y) != 0;
 }
 
 static inline flat16_directions_t flat16_directions(const packet_t *packet)
@@ -108,15 +95,15 @@ static inline void SHAPE_FUNCTION(nearest_packet)(const scene_t *scene, packet_t
         }
         u = sure ? test.u : u;
         v = sure ? test.v : v;
-        if (!flat16_any(met & test.doubt))
+        if (!any_lane(met & test.doubt))
             continue;
         // Seldom, and by copies, so that what is above stays in registers.
-        packet_floats_t t, lane_u, lane_v;
-        flat16_lanes_t doubt, decided;
+        each_float_t t, lane_u, lane_v;
+        each_int_t doubt, decided;
         t.all = height / size * d.scale;
         doubt.all = met & test.doubt;
         decided.all = index;
-        for (uint lane = 0u; lane < PACKET; lane++) {
+        for (uint lane = 0u; lane < LANES; lane++) {
             if (!doubt.lane[lane])
                 continue;
             const ray_t ray = packet_ray(packet, lane);
@@ -139,17 +126,11 @@ static inline void SHAPE_FUNCTION(nearest_packet)(const scene_t *scene, packet_t
         v = doubt.all ? lane_v.all : v;
         index = decided.all;
     }
-    flat16_lanes_t of;
-    of.all = index;
     packet->t.all = index >= 0 ? height / size * d.scale : packet->t.all;
     packet->u.all = index >= 0 ? u / size : packet->u.all;
     packet->v.all = index >= 0 ? v / size : packet->v.all;
-    for (uint lane = 0u; lane < PACKET; lane++) {
-        if (of.lane[lane] >= 0) {
-            packet->primitive[lane] = (uint)of.lane[lane] + SHAPE_FIRST;
-            packet->met[lane] = 1u;
-        }
-    }
+    packet->primitive.all = index >= 0 ? as_uint16(index) + SHAPE_FIRST : packet->primitive.all;
+    packet->met.all |= index >= 0;
 }
 
 static inline void SHAPE_FUNCTION(occluded_packet)(const scene_t *scene, packet_t *packet)
@@ -163,11 +144,11 @@ static inline void SHAPE_FUNCTION(occluded_packet)(const scene_t *scene, packet_
         triangles = flat16_triangles(SHAPE_BUFFER(planes) + 20 * i);
         int16 met = flat16_test(packet, &d, SHAPE_BUFFER(planes) + 20 * i, t, (float16)(1.0f), &test) & ~blocked;
         blocked |= met & ~test.doubt;
-        if (!flat16_any(met & test.doubt))
+        if (!any_lane(met & test.doubt))
             continue;
-        flat16_lanes_t doubt;
+        each_int_t doubt;
         doubt.all = met & test.doubt;
-        for (uint lane = 0u; lane < PACKET; lane++) {
+        for (uint lane = 0u; lane < LANES; lane++) {
             if (!doubt.lane[lane])
                 continue;
             const ray_t ray = packet_ray(packet, lane);
@@ -180,8 +161,5 @@ static inline void SHAPE_FUNCTION(occluded_packet)(const scene_t *scene, packet_
         }
         blocked |= doubt.all;
     }
-    flat16_lanes_t lanes;
-    lanes.all = blocked;
-    for (uint lane = 0u; lane < PACKET; lane++)
-        packet->met[lane] |= (uint)(lanes.lane[lane] & 1);
+    packet->met.all |= blocked;
 }

@@ -26,11 +26,17 @@ static inline void visits_record(global uint *counts, const visits_t *visits, ui
 #define RECORD_VISITS(slot, since) visits_record(visit_counts, &visits, path_get_depth(&path, slot) - (since))
 
 // What the rays of a packet have visited together is shared among them, before each is recorded.
-#define SHARE_VISITS(rays) visits.nodes /= rays; visits.primitives /= rays
+#define SHARE_VISITS(rays) visits.nodes /= max(rays, 1u); visits.primitives /= max(rays, 1u)
+#define RECORD_VISITS_OF_LANES(mask, first, since) \
+    const each_int_t traced = {mask}; \
+    for (uint lane = 0u; lane < LANES; lane++) \
+        if (traced.lane[lane]) \
+            RECORD_VISITS(first + lane, since)
 
 #else
 
 #define SHARE_VISITS(rays)
+#define RECORD_VISITS_OF_LANES(mask, first, since)
 #define VISIT_NODE(scene)
 #define VISIT_PRIMITIVES(scene, count)
 #define RECORD_VISITS(slot, since)

@@ -1,4 +1,4 @@
-// What sampling a BSDF returns. The contract in words: docs/architecture.md.
+// What sampling a BSDF returns. The contract in words: docs/architecture.md. For one path or sixteen (lib/lanes.cl).
 
 typedef struct {
     float3 wi;      // sampled direction in the local shading frame, unit
@@ -14,8 +14,8 @@ typedef struct {
 static inline bsdf_sample_t bsdf_sample_failed(void)
 {
     bsdf_sample_t s;
-    s.wi = (float3)(0.0f, 0.0f, 1.0f);
-    s.weight = (float3)(0.0f);
+    s.wi = float3_of(0.0f, 0.0f, 1.0f);
+    s.weight = float3_of(0.0f, 0.0f, 0.0f);
     s.pdf = 0.0f;
     s.eta = 1.0f;
     s.specular = 0;

@@ -19,25 +19,31 @@ static inline float discrete_probability(global const uint *cdf, uint index)
     return width * 0x1p-32f;
 }
 
-static inline discrete_t discrete_sample(global const uint *cdf, uint count, uint u)
+// The entry that u draws, by halving without a branch that u decides.
+static inline uint discrete_find(global const uint *cdf, uint count, uint u)
 {
-    uint low = 0u, high = count - 1u;
-    while (low < high) {
-        uint middle = (low + high) >> 1;
-        if (cdf[middle] < u)
-            low = middle + 1u;
-        else
-            high = middle;
-    }
-    discrete_t d;
-    d.index = low;
-    d.probability = discrete_probability(cdf, low);
-    uint below = discrete_below(cdf, low);
-    // (u − below) 2³² / width: a quotient of floats, and what that leaves. Dividing 64-bit integers is slow.
-    ulong width = (ulong)(cdf[low] - below) + 1UL;
+    uint low = 0u;
+    for (uint left = count; left > 1u; left -= left / 2u)
+        low += cdf[low + left / 2u - 1u] < u ? left / 2u : 0u;
+    return low;
+}
+
+// What u leaves once it has drawn the entry `index`: (u − below) 2³² / width, a quotient of floats, and what that leaves. Dividing 64-bit integers is slow.
+static inline uint discrete_rest(global const uint *cdf, uint index, uint u)
+{
+    uint below = discrete_below(cdf, index);
+    ulong width = (ulong)(cdf[index] - below) + 1UL;
     float reciprocal = 1.0f / (float)width;
     uint first = (uint)fmin((float)(u - below) * reciprocal * 0x1p32f, 0x1.fffffep31f);
     long left = (long)(((ulong)(u - below) << 32) - (ulong)first * width);
-    d.rest = (uint)clamp((long)first + (long)((float)left * reciprocal), 0L, 0xffffffffL);
+    return (uint)clamp((long)first + (long)((float)left * reciprocal), 0L, 0xffffffffL);
+}
+
+static inline discrete_t discrete_sample(global const uint *cdf, uint count, uint u)
+{
+    discrete_t d;
+    d.index = discrete_find(cdf, count, u);
+    d.probability = discrete_probability(cdf, d.index);
+    d.rest = discrete_rest(cdf, d.index, u);
     return d;
 }

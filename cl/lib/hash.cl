@@ -1,9 +1,7 @@
-// Integer hashes.
-
-#include "lib/lanes.cl"
+// Integer hashes. For one path or sixteen (lib/lanes.cl).
 
 // A permutation of 32 bits whose every input bit reaches every output bit (Wellons 2018, "prospector", lowbias32).
-static inline LANES hash_uint(LANES x)
+static inline uint hash_uint(uint x)
 {
     x ^= x >> 16;
     x *= 0x7feb352du;
@@ -13,7 +11,7 @@ static inline LANES hash_uint(LANES x)
     return x;
 }
 
-static inline LANES hash_combine(LANES seed, LANES value)
+static inline uint hash_combine(uint seed, uint value)
 {
     return hash_uint(seed ^ (value * 0x9e3779b9u + 0x85ebca6bu));
 }

@@ -1,4 +1,4 @@
-// What sampling a light returns.
+// What sampling a light returns. For one path or sixteen (lib/lanes.cl).
 
 typedef struct {
     float3 target;    // point to connect to, or direction where `infinite`

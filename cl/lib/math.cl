@@ -1,5 +1,7 @@
 // Constants and small functions that everything uses.
 
+#include "lib/vector.cl"
+
 #define PI 3.14159265358979323846f
 #define INV_PI 0.31830988618379067154f
 #define INV_TWO_PI 0.15915494309189533577f
@@ -18,11 +20,6 @@ static inline float luminance(float3 c)
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
 }
 
-static inline bool is_black(float3 c)
-{
-    return c.x == 0.0f && c.y == 0.0f && c.z == 0.0f;
-}
-
 static inline float3 load3(global const float *p)
 {
     return (float3)(p[0], p[1], p[2]);
@@ -38,10 +35,4 @@ static inline float3 rotate3(global const float *m, float3 v)
 static inline float3 rotate3_back(global const float *m, float3 v)
 {
     return v.x * load3(m) + v.y * load3(m + 3) + v.z * load3(m + 6);
-}
-
-// Unit interval from 32 random bits: the 24 that a float holds, below 1.
-static inline float unit_float(uint bits)
-{
-    return (float)(bits >> 8) * 0x1p-24f;
 }

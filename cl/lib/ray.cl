@@ -1,4 +1,4 @@
-// Rays, and what they meet.
+// Rays, and what they meet. For one path or sixteen (lib/lanes.cl).
 
 typedef struct {
     float3 o;       // origin
@@ -17,7 +17,8 @@ typedef struct {
 // among which infinity is 0xff000000: isfinite, all and any are calls on some runtimes, across which no vector stays in a register.
 static inline bool ray_is_valid(const ray_t *ray)
 {
-    const uint3 o = as_uint3(ray->o) << 1, d = as_uint3(ray->d) << 1;
-    return o.x < 0xff000000u && o.y < 0xff000000u && o.z < 0xff000000u && d.x < 0xff000000u && d.y < 0xff000000u && d.z < 0xff000000u
-           && (d.x | d.y | d.z) != 0u;
+    const uint ox = as_uint(ray->o.x) << 1, oy = as_uint(ray->o.y) << 1, oz = as_uint(ray->o.z) << 1;
+    const uint dx = as_uint(ray->d.x) << 1, dy = as_uint(ray->d.y) << 1, dz = as_uint(ray->d.z) << 1;
+    return ox < 0xff000000u && oy < 0xff000000u && oz < 0xff000000u && dx < 0xff000000u && dy < 0xff000000u && dz < 0xff000000u
+           && (dx | dy | dz) != 0u;
 }

@@ -1,10 +1,8 @@
-// Where a sampler stands, and two numbers of it for which it has one dimension.
-
-#include "lib/lanes.cl"
+// Where a sampler stands, and two numbers of it for which it has one dimension. For one path or sixteen (lib/lanes.cl).
 
 typedef struct {
-    LANES seed;   // of the pixel
-    LANES index;  // of the sample
+    uint seed;   // of the pixel
+    uint index;  // of the sample
 #ifdef SAMPLER_STRATA
     uint strata_x;
     uint strata_y;
@@ -12,6 +10,6 @@ typedef struct {
 } sequence_t;
 
 typedef struct {
-    LANES x;
-    LANES y;
+    uint x;
+    uint y;
 } pair_t;

@@ -1,4 +1,6 @@
-// The point that a ray meets, and a point of a light.
+// The point that a ray meets, and a point of a light. For one path or sixteen (lib/lanes.cl).
+
+#include "lib/math.cl"
 
 typedef struct {
     float3 p;       // world space
@@ -32,9 +34,8 @@ typedef struct {
 // Density over area → over solid angle seen from `reference` (PBR 4ed, eq. 4.17).
 static inline float area_to_solid_angle(float pdf, float3 reference, const surface_t *surface)
 {
-    float3 w = surface->p - reference;
-    float distance2 = dot(w, w);
-    float cosine = fabs(dot(surface->ng, w)) * rsqrt(distance2);
+    const float3 w = subtract3(surface->p, reference);
+    const float distance2 = dot3(w, w), cosine = absolute(dot3(surface->ng, w)) / sqrt(distance2);
     return cosine > 0.0f && distance2 > 0.0f ? pdf * distance2 / cosine : 0.0f;
 }
 
@@ -46,21 +47,21 @@ static inline surface_t surface_new(float3 p, float3 error, float3 normal)
     s.ng = normal;
     s.ns = normal;
 #ifdef SURFACE_UV
-    s.uv = (float2)(0.0f);
+    s.uv = float2_of(0.0f, 0.0f);
 #endif
 #ifdef SURFACE_TANGENT
-    s.dpdu = (float3)(0.0f);
-    s.dpdv = (float3)(0.0f);
+    s.dpdu = float3_of(0.0f, 0.0f, 0.0f);
+    s.dpdv = float3_of(0.0f, 0.0f, 0.0f);
 #endif
 #ifdef RAY_CONES
     s.footprint = 0.0f;
 #endif
 #ifdef VERTEX_NORMALS
-    s.lift_above = (float3)(0.0f);
-    s.lift_below = (float3)(0.0f);
+    s.lift_above = float3_of(0.0f, 0.0f, 0.0f);
+    s.lift_below = float3_of(0.0f, 0.0f, 0.0f);
 #endif
 #ifdef SURFACE_COLOR
-    s.color = (float3)(1.0f);
+    s.color = float3_of(1.0f, 1.0f, 1.0f);
 #endif
     return s;
 }

@@ -1,6 +1,6 @@
 // Normals tilted by a map.
 
-#include "lib/frame.cl"
+#include "lib/frame_along.cl"
 #include "lib/surface.cl"
 #include "scene/tilt.cl"
 

@@ -4,18 +4,12 @@
 #include "lib/sampler.cl"
 
 #ifdef VERTEX_LANES
+#include "lib/lanes.cl"
 #include "scene/sampler_lanes.cl"
-
-#define RANDOM_LANES 16u
-
-typedef union {
-    uint16 all;
-    uint lane[16];
-} random_lanes_t;
 
 // Each in a variable of its own, so that a kind of BSDF that has no use for one doesn't draw it.
 typedef struct {
-    random_lanes_t *light_x, *light_y, *lobe, *bsdf_x, *bsdf_y, *roulette;
+    each_uint_t *light_x, *light_y, *lobe, *bsdf_x, *bsdf_y, *roulette;
 } vertex_numbers_t;
 
 // A vertex's numbers: a lane of those of its neighbours.
@@ -26,23 +20,15 @@ typedef struct {
 
 static inline void vertex_numbers_draw(const scene_t *scene, const path_t *path, uint first, const vertex_numbers_t *numbers)
 {
-    random_lanes_t seed, index, depth;
-    uint deepest = 0u;
-    for (uint lane = 0u; lane < RANDOM_LANES; lane++) {
-        seed.lane[lane] = path_get_seed(path, first + lane);
-        index.lane[lane] = path_get_index(path, first + lane);
-        depth.lane[lane] = path_get_depth(path, first + lane);
-        deepest = max(deepest, depth.lane[lane]);
-    }
-    const sequence_t_lanes sampler = {seed.all, index.all};
-    const uint16 dimension = (depth.all + 1u) * DIMENSIONS_A_VERTEX;
+    const sequence_t_lanes sampler = {path_get_seed_lanes(path, first), path_get_index_lanes(path, first)};
+    const uint16 depth = path_get_depth_lanes(path, first), dimension = (depth + 1u) * DIMENSIONS_A_VERTEX;
     const pair_t_lanes light = sample_2d_lanes(&sampler, dimension + DIMENSION_LIGHT), bsdf = sample_2d_lanes(&sampler, dimension + DIMENSION_BSDF);
     numbers->light_x->all = light.x;
     numbers->light_y->all = light.y;
     numbers->lobe->all = sample_1d_lanes(&sampler, dimension + DIMENSION_LOBE);
     numbers->bsdf_x->all = bsdf.x;
     numbers->bsdf_y->all = bsdf.y;
-    if (deepest + 1u >= scene->render->russian_roulette_depth)
+    if (any_lane(depth + 1u >= scene->render->russian_roulette_depth))
         numbers->roulette->all = sample_1d_lanes(&sampler, dimension + DIMENSION_ROULETTE);
 }
 

@@ -1,12 +1,11 @@
 // The constant environment: uniform over the sphere.
 
-#include "lib/circle.cl"
+#include "lib/warp.cl"
 
 static inline light_sample_t environment_sample(const scene_t *scene, uint index, float3 reference, uint2 u)
 {
-    float z = 1.0f - 2.0f * unit_float(u.x);
-    float r = sqrt(fmax(0.0f, 1.0f - z * z));
-    return light_sample_new((float3)(r * circle_point(unit_float(u.y)), z), load3(scene->environment_lights[index].radiance), 0.5f * INV_TWO_PI, 1, 0);
+    const float3 w = square_to_sphere(float2_of(unit_float(u.x), unit_float(u.y)));
+    return light_sample_new(w, load3(scene->environment_lights[index].radiance), 0.5f * INV_TWO_PI, 1, 0);
 }
 
 static inline float environment_pdf(const scene_t *scene, uint index, float3 w)

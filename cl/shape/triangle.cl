@@ -2,30 +2,24 @@
 
 #include "lib/math.cl"
 #include "lib/surface.cl"
+#include "lib/warp.cl"
+#include "shape/triangle_point.cl"
 #include "shape/triangle_test.cl"
 
 // The unit normal along e1 × e2, and half the length of that, the area.
 static inline float3 triangle_normal(float3 e1, float3 e2, float *area)
 {
-    float3 n = cross(e1, e2);
-    float length2 = dot(n, n), unscale = 1.0f;
-    if (!(length2 > 1e-30f && length2 < 1e30f)) {
+    float3 n = cross3(e1, e2);
+    float unscale = 1.0f;
+    if (!triangle_is_plain(n)) {
         // Brought to the order of 1 first: the cross product of small edges would underflow.
         float scale = triangle_unit_scale(fmax(triangle_largest(e1), triangle_largest(e2)));
-        n = cross(e1 * scale, e2 * scale);
-        length2 = dot(n, n);
+        n = cross3(e1 * scale, e2 * scale);
         unscale = 1.0f / scale;
     }
-    float length = sqrt(length2);
-    *area = 0.5f * length * unscale * unscale;
-    return n / length;
-}
-
-// Point with barycentrics b of the vertices v0, v1, v2 and the bound of its error (PBR 4ed, §6.8.5).
-static inline surface_t triangle_point(float3 v0, float3 v1, float3 v2, float3 b, float *area)
-{
-    float3 p0 = b.x * v0, p1 = b.y * v1, p2 = b.z * v2;
-    return surface_new(p0 + p1 + p2, GAMMA(7) * (fabs(p0) + fabs(p1) + fabs(p2)), triangle_normal(v1 - v0, v2 - v0, area));
+    n = triangle_unit(n, area);
+    *area *= unscale * unscale;
+    return n;
 }
 
 #ifdef VERTEX_NORMALS
@@ -97,7 +91,7 @@ static inline surface_t triangle_at(const scene_t *scene, uint index, float3 b, 
 {
     global const float *v = scene->triangle_vertices + 9 * (size_t)index;
     float3 v0 = load3(v), v1 = load3(v + 3), v2 = load3(v + 6);
-    surface_t s = triangle_point(v0, v1, v2, b, area);
+    surface_t s = triangle_point(v0, v1, v2, b, triangle_normal(v1 - v0, v2 - v0, area));
 #ifdef TRIANGLE_CORNERS
     triangle_interpolate(scene, index, v0, v1, v2, b, &s);
 #endif
@@ -110,14 +104,12 @@ static inline surface_t triangle_surface(const scene_t *scene, uint index, const
     return triangle_at(scene, index, (float3)(1.0f - hit->u - hit->v, hit->u, hit->v), &area);
 }
 
-// Uniform over the area, by a fold that keeps strata compact (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
+// Uniform over the area.
 static inline light_point_t triangle_sample(const scene_t *scene, uint index, float3 reference, float2 u)
 {
-    float b1 = u.x > u.y ? u.x - 0.5f * u.y : 0.5f * u.x;
-    float b2 = u.x > u.y ? 0.5f * u.y : u.y - 0.5f * u.x;
     light_point_t point;
     float area;
-    point.surface = triangle_at(scene, index, (float3)(1.0f - b1 - b2, b1, b2), &area);
+    point.surface = triangle_at(scene, index, square_to_triangle(u), &area);
     point.pdf = area_to_solid_angle(1.0f / area, reference, &point.surface);
     return point;
 }

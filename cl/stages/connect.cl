@@ -25,34 +25,25 @@ static inline void add_contribution(const scene_t *scene, const path_t *path, co
 
 #ifdef RAY_PACKETS
 
-// The first work-item of sixteen traces the rays of all.
-kernel WORK_GROUP UNVECTORIZED void connect(STAGE_PARAMETERS)
+// A work-item traces the rays of sixteen slots.
+kernel LANES_GROUP UNVECTORIZED void connect(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
-    const uint first = (uint)get_global_id(0);
-    if (first % PACKET != 0u)
+    const uint first = (uint)get_global_id(0) * LANES;
+    const int16 waiting = queue_holds_connect_lanes(&queues, first);
+    if (!any_lane(waiting))
         return;
+    const ray_t_lanes rays = {path_get_shadow_origin_lanes(&path, first), path_get_shadow_direction_lanes(&path, first),
+                              path_get_shadow_t_max_lanes(&path, first)};
     packet_t packet;
-    packet.rays = 0u;
-    for (uint lane = 0u; lane < PACKET; lane++) {
-        packet_set_none(&packet, lane);
-        if (queue_holds_connect(&queues, first + lane)) {
-            const ray_t ray = shadow_ray(&path, first + lane);
-            packet_set(&packet, lane, &ray);
-            packet.rays++;
-        }
-    }
-    if (packet.rays == 0u)
-        return;
+    packet_set(&packet, waiting, &rays);
     trace_occluded_packet(&scene, &packet);
     SHARE_VISITS(packet.rays);
-    for (uint lane = 0u; lane < PACKET; lane++) {
-        if (!queue_holds_connect(&queues, first + lane))
-            continue;
-        RECORD_VISITS(first + lane, 1u);
-        if (!packet.met[lane])
+    const each_int_t lit = {waiting & ~packet.met.all};
+    for (uint lane = 0u; lane < LANES; lane++)
+        if (lit.lane[lane])
             add_contribution(&scene, &path, &samples, first + lane);
-    }
+    RECORD_VISITS_OF_LANES(waiting, first, 1u);
 }
 
 #else

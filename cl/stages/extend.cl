@@ -28,11 +28,9 @@ static inline bool is_unborn(const path_t *path, uint slot)
 #endif
 }
 
-// Stores what the path met; returns the queue of that BSDF.
-static inline uint store_hit(const scene_t *scene, const path_t *path, uint slot, const ray_t *ray, const hit_t *hit)
+// The queue of the BSDF that the path met.
+static inline uint shade_queue(const scene_t *scene, const path_t *path, uint slot, const ray_t *ray, const hit_t *hit)
 {
-    path_set_hit(path, slot, (float3)(hit->t, hit->u, hit->v));
-    path_set_primitive(path, slot, hit->primitive);
 #if SHADE_QUEUES > 1 || defined(MIXES)
     uint row = scene->primitive_objects[hit->primitive];
 #endif
@@ -65,39 +63,40 @@ static inline void count_rays(global uint *counters, uint parity)
 
 #ifdef RAY_PACKETS
 
-// The first work-item of sixteen traces the rays of all.
-kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
+// A work-item traces the rays of sixteen slots.
+kernel LANES_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
     count_rays(counters, parity);
-    const uint first = (uint)get_global_id(0);
-    if (first % PACKET != 0u)
+    const uint first = (uint)get_global_id(0) * LANES;
+    const int16 waiting = queue_holds_lanes(&queues, QUEUE_EXTEND_0, first);
+    if (!any_lane(waiting))
         return;
+    int16 unborn = 0;
+#ifdef CAMERA_PARTIAL
+    unborn = (path_get_depth_lanes(&path, first) == 0u) & is_black_lanes(path_get_throughput_lanes(&path, first));
+#endif
+    const ray_t_lanes rays = {path_get_origin_lanes(&path, first), path_get_direction_lanes(&path, first), INFINITY};
     packet_t packet;
-    packet.rays = 0u;
-    for (uint lane = 0u; lane < PACKET; lane++) {
-        const uint slot = first + lane;
-        packet_set_none(&packet, lane);
-        if (queue_holds(&queues, QUEUE_EXTEND_0, slot) && !is_unborn(&path, slot)) {
-            const ray_t ray = {path_get_origin(&path, slot), path_get_direction(&path, slot), INFINITY};
-            packet_set(&packet, lane, &ray);
-            packet.rays++;
-        }
-    }
-    if (packet.rays > 0u) {
-        trace_nearest_packet(&scene, &packet);
-        SHARE_VISITS(packet.rays);
-    }
-    for (uint lane = 0u; lane < PACKET; lane++) {
-        const uint slot = first + lane;
-        if (!queue_holds(&queues, QUEUE_EXTEND_0, slot))
+    packet_set(&packet, waiting & ~unborn, &rays);
+    trace_nearest_packet(&scene, &packet);
+    SHARE_VISITS(packet.rays);
+    const float3_lanes t_u_v = {packet.t.all, packet.u.all, packet.v.all};
+    path_set_hit_lanes(&path, first, packet.met.all, t_u_v);
+    path_set_primitive_lanes(&path, first, packet.met.all, packet.primitive.all);
+    each_uint_t next;
+    next.all = packet.met.all ? QUEUE_SHADE_0 : unborn ? IDLE : BEYOND;
+#if SHADE_QUEUES > 1 || defined(MIXES)
+    for (uint lane = 0u; lane < LANES; lane++) {
+        if (!packet.met.lane[lane])
             continue;
         const ray_t ray = packet_ray(&packet, lane);
         const hit_t hit = packet_hit(&packet, lane);
-        const uint next = is_unborn(&path, slot) ? IDLE : packet.met[lane] ? store_hit(&scene, &path, slot, &ray, &hit) : BEYOND;
-        queue_push(&queues, next, slot, scratch);
-        RECORD_VISITS(slot, 0u);
+        next.lane[lane] = shade_queue(&scene, &path, first + lane, &ray, &hit);
     }
+#endif
+    queue_push_lanes(&queues, waiting, next.all, first);
+    RECORD_VISITS_OF_LANES(waiting, first, 0u);
 }
 
 #else
@@ -139,7 +138,9 @@ kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
         if (is_unborn(&path, slot))
             next = IDLE;
         else if (trace_nearest(&scene, &ray, &hit)) {
-            next = store_hit(&scene, &path, slot, &ray, &hit);
+            path_set_hit(&path, slot, (float3)(hit.t, hit.u, hit.v));
+            path_set_primitive(&path, slot, hit.primitive);
+            next = shade_queue(&scene, &path, slot, &ray, &hit);
 #ifdef SUBSURFACE
             flight_pass(&path, slot, &flight, hit.t);
         } else if (flight.inside && !flight.straight) {

@@ -4,6 +4,8 @@
 // To:   extend.
 // Also empties the queues that the last round's stages have read, and counts that round's shadow rays.
 
+#include "lib/film.cl"
+#include "lib/filter.cl"
 #include "lib/math.cl"
 #include "lib/path.cl"
 #include "lib/queue.cl"
@@ -12,16 +14,6 @@
 #include "scene/camera.cl"
 #include "scene/cone.cl"
 #include "scene/interiors.cl"
-#ifdef FILTER_TABLE
-// A point of the filter along one axis, with its weight, by a table of the inverse of its CDF (Ernst, Stamminger & Greiner 2006).
-static inline float2 filter_sample(const scene_t *scene, float u)
-{
-    float at = u * FILTER_TABLE_SIZE;
-    uint step = min((uint)at, FILTER_TABLE_SIZE - 1u);
-    global const float *entry = scene->filter_table + 2 * step;
-    return (float2)(mix(entry[0], entry[2], at - (float)step), entry[1]);
-}
-#endif
 
 #ifdef RAY_CONES
 // The cone of the ray through a point of the film, from the ray through a point half a pixel's diagonal away.
@@ -46,17 +38,10 @@ static inline void start_path(const scene_t *scene, const path_t *path, const sa
     film_sample_t at = film_sample(scene, sample);
     sequence_t sampler = sequence_new(scene, pixel_seed(scene, at), at.index);
     pair_t u = sample_2d(&sampler, DIMENSION_FILM);
-    float2 offset = (float2)(unit_float(u.x), unit_float(u.y));
-    float weight = 1.0f;
-#ifdef FILTER_TABLE
-    float2 fx = filter_sample(scene, offset.x), fy = filter_sample(scene, offset.y);
-    offset = (float2)(fx.x, fy.x);
-    weight = fx.y * fy.y;
-#else
-    offset = (2.0f * offset - 1.0f) * scene->render->filter_radius;
-#endif
-    float2 film = (float2)(((float)at.x + 0.5f + offset.x) / (float)scene->render->width,
-                           ((float)at.y + 0.5f + offset.y) / (float)scene->render->height);
+    const float2 fx = filter_sample(scene, unit_float(u.x)), fy = filter_sample(scene, unit_float(u.y));
+    const float2 offset = (float2)(fx.x, fy.x);
+    float weight = fx.y * fy.y;
+    const float2 film = film_point(scene->render, at.x, at.y, offset);
     float2 lens = (float2)(0.0f);
 #ifdef CAMERA_LENS
     pair_t l = sample_2d(&sampler, DIMENSION_LENS);
@@ -68,14 +53,12 @@ static inline void start_path(const scene_t *scene, const path_t *path, const sa
         origin = (float3)(0.0f);
         direction = (float3)(0.0f, 0.0f, -1.0f);
     }
-    global const float *m = scene->camera->to_world;
     path_set_sample(path, slot, sample);
     path_set_depth(path, slot, 0u);
     path_set_seed(path, slot, sampler.seed);
     path_set_index(path, slot, sampler.index);
-    path_set_origin(path, slot, (float3)(dot(load3(m), origin) + m[3], dot(load3(m + 4), origin) + m[7], dot(load3(m + 8), origin) + m[11]));
-    path_set_direction(path, slot,
-                       normalize((float3)(dot(load3(m), direction), dot(load3(m + 4), direction), dot(load3(m + 8), direction))));
+    path_set_origin(path, slot, add3(camera_to_world(scene->camera, origin), camera_position(scene->camera)));
+    path_set_direction(path, slot, normalize(camera_to_world(scene->camera, direction)));
     path_set_throughput(path, slot, (float3)(weight));
 #ifdef PATH_BSDF_PDF
     path_set_bsdf_pdf(path, slot, 0.0f);

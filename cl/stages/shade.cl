@@ -3,10 +3,10 @@
 //
 // From: extend. To: connect (a shadow ray), extend (the path goes on); else the slot is idle.
 
-#include "lib/emission.cl"
-#include "lib/frame.cl"
+#include "lib/frame_along.cl"
 #include "scene/interiors.cl"
 #include "lib/lights.cl"
+#include "lib/met_emission.cl"
 #include "lib/offset.cl"
 #include "lib/path.cl"
 #include "lib/queue.cl"
@@ -16,9 +16,6 @@
 #include "lib/vertex_random.cl"
 #include "scene/bsdf.cl"
 #include "scene/cone.cl"
-
-// Where a shadow ray to a point ends, short of the light's own surface (PBR 4ed, §6.8.6): a blocker nearer to it than 1e-4 of the way is missed.
-#define SHADOW_END 0.9999f
 
 // Where the path stands: what it met, and the frame in which the BSDF works.
 typedef struct {
@@ -35,30 +32,6 @@ typedef struct {
     bool inside;      // the path has come through a body
 #endif
 } vertex_t;
-
-// Emission met by the path, weighed against light sampling.
-static inline void add_emission(const scene_t *scene, const path_t *path, const samples_t *samples, uint slot, uint primitive,
-                         global const object_t *object, const surface_t *surface, float3 direction, uint depth)
-{
-#ifdef EMISSION
-    float3 radiance = emitted_radiance(scene, object->emission, surface, -direction);
-    if (is_black(radiance))
-        return;
-    float weight = 1.0f;
-#ifdef EMITTERS
-    float bsdf_pdf = path_get_bsdf_pdf(path, slot);
-    if (bsdf_pdf > 0.0f) {
-        uint emitter = emitter_of(scene, primitive);
-        float light_pdf = 0.0f;
-        if (emitter < scene->render->emitter_count)
-            light_pdf = discrete_probability(scene->light_cdf, emitter)
-                      * emitter_pdf(scene, primitive, path_get_origin(path, slot), surface);
-        weight = met_light_weight(bsdf_pdf, light_pdf);
-    }
-#endif
-    sample_add_radiance(scene, samples, path_get_sample(path, slot), depth, path_get_throughput(path, slot) * radiance * weight);
-#endif
-}
 
 // The first surface of a path, for the AOVs that describe it.
 static inline void write_first_hit(const scene_t *scene, const samples_t *samples, uint sample, float weight, const surface_t *surface,
@@ -379,20 +352,17 @@ static inline void shade_slot(const scene_t *scene, const path_t *path, const sa
 
 #ifdef VERTEX_LANES
 
-// The first work-item of sixteen shades the slots of all.
-kernel WORK_GROUP UNVECTORIZED void shade(STAGE_PARAMETERS)
+// A work-item shades sixteen slots.
+kernel LANES_GROUP UNVECTORIZED void shade(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
-    const uint first = (uint)get_global_id(0);
-    uint waiting = 0u;
-    for (uint lane = 0u; first % RANDOM_LANES == 0u && lane < RANDOM_LANES; lane++)
-        waiting += queue_holds(&queues, QUEUE_SHADE, first + lane) ? 1u : 0u;
-    if (waiting == 0u)
+    const uint first = (uint)get_global_id(0) * LANES;
+    if (!any_lane(queue_holds_lanes(&queues, QUEUE_SHADE, first)))
         return;
-    random_lanes_t light_x, light_y, lobe, bsdf_x, bsdf_y, roulette;
+    each_uint_t light_x, light_y, lobe, bsdf_x, bsdf_y, roulette;
     const vertex_numbers_t numbers = {&light_x, &light_y, &lobe, &bsdf_x, &bsdf_y, &roulette};
     vertex_numbers_draw(&scene, &path, first, &numbers);
-    for (uint lane = 0u; lane < RANDOM_LANES; lane++) {
+    for (uint lane = 0u; lane < LANES; lane++) {
         if (!queue_holds(&queues, QUEUE_SHADE, first + lane))
             continue;
         const vertex_random_t random = {numbers, lane};

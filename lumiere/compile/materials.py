@@ -67,9 +67,19 @@ class MaterialTable:
         return records
 
 
+def _members(parameters: dict[str, str]) -> str:
+    return "".join(f"    {'float3' if sort == 'spectrum' else 'float'} {name};\n" for name, sort in parameters.items())
+
+
+def _bsdf_macros(kind: str, features: tuple[str, ...]) -> str:
+    macros = "".join(f"#define {name}\n" for name in features)
+    return (f"{macros}#define BSDF_NAME {kind}\n#define BSDF_JOIN(a, b) a##_##b\n#define BSDF_OF(a, b) BSDF_JOIN(a, b)\n"
+            "#define BSDF(f) BSDF_OF(BSDF_NAME, f)\n")
+
+
 def bsdf_source(kind: str, parameters: dict[str, str], textured: tuple[str, ...], features: tuple[str, ...] = ()) -> str:
     """``scene/bsdf.cl`` of a kind: NAME_t, the kind's own file, and NAME_load, which looks its textures up."""
-    members = "".join(f"    {'float3' if sort == 'spectrum' else 'float'} {name};\n" for name, sort in parameters.items())
+    members = _members(parameters)
     members += "    int inside;\n" if "WALKS" in features else ""  # the path has come through the body: set by shade
     members += "    float3 share;\n    float3 spread;\n" if "DISPERSION" in features else ""  # of what the path carries, by channel; of wavelengths
     loads = []
@@ -79,13 +89,32 @@ def bsdf_source(kind: str, parameters: dict[str, str], textured: tuple[str, ...]
             look_up = "texture_value" if sort == "spectrum" else "texture_number"
             constant = (f"record->{name}_texture != NO_TEXTURE ? {look_up}(scene, record->{name}_texture, surface) : {constant}")
         loads.append(f"    bsdf.{name} = {constant};\n")
-    macros = "".join(f"#define {name}\n" for name in features)
-    return (f"{macros}#define BSDF_NAME {kind}\n#define BSDF_JOIN(a, b) a##_##b\n#define BSDF_OF(a, b) BSDF_JOIN(a, b)\n"
-            f"#define BSDF(f) BSDF_OF(BSDF_NAME, f)\n"
-            f"typedef struct {{\n{members}}} {kind}_t;\n\n"
+    return (_bsdf_macros(kind, features)
+            + f"typedef struct {{\n{members}}} {kind}_t;\n\n"
             '#include "lib/math.cl"\n#include "lib/surface.cl"\n'
             + ('#include "lib/textures.cl"\n' if textured else "")
             + f'#include "bsdf/{kind}.cl"\n\n'
             f"static inline {kind}_t {kind}_load(const scene_t *scene, uint index, const surface_t *surface)\n{{\n"
             f"    global const {kind}_record_t *record = scene->{kind}_materials + index;\n    {kind}_t bsdf;\n"
             + "".join(loads) + "    return bsdf;\n}\n")
+
+
+def bsdf_struct(kind: str, parameters: dict[str, str]) -> str:
+    """The declaration of NAME_t, of a kind without features."""
+    return f"typedef struct {{\n{_members(parameters)}}} {kind}_t;\n"
+
+
+def bsdf_lanes_source(kind: str, parameters: dict[str, str]) -> str:
+    """``scene/bsdf_lanes.cl`` of a kind without textures and features: NAME_load_lanes, which takes the places of sixteen materials."""
+    numbers, values = [], []
+    for name, sort in parameters.items():
+        ways = [(f"{name}_{c}", f"{name}[{i}]") for i, c in enumerate("xyz")] if sort == "spectrum" else [(name, name)]
+        numbers += ways
+        values.append("{" + ", ".join(f"{each}.all" for each, _ in ways) + "}")
+    loads = "".join(f"        {each}.lane[lane] = record->{value};\n" for each, value in numbers)
+    return (_bsdf_macros(kind, ()) + '#include "scene/lanes.cl"\n\n'
+            f"static inline {kind}_t_lanes {kind}_load_lanes(const scene_t *scene, const each_uint_t *material)\n{{\n"
+            f"    each_float_t {', '.join(each for each, _ in numbers)};\n"
+            "    for (uint lane = 0u; lane < LANES; lane++) {\n"
+            f"        global const {kind}_record_t *record = scene->{kind}_materials + material->lane[lane];\n{loads}    }}\n"
+            f"    const {kind}_t_lanes bsdf = {{{', '.join(values)}}};\n    return bsdf;\n}}\n")

@@ -45,15 +45,22 @@ def template(path: str) -> str:
     return f"{includes}\n{_INCLUDE.sub('', text)}"
 
 
-_LANES_NAME = re.compile(r"^(?:static inline \w+ (\w+)\(|\} (\w+);$)", re.MULTILINE)
+_OWN_NAME = re.compile(r"^(?:static inline \w+ (\w+)\(|\} (\w+);$)", re.MULTILINE)
+
+_WIDE = {"float": "float16", "int": "int16", "bool": "int16", "uint": "uint16", "float2": "float2_lanes", "float3": "float3_lanes",
+         "as_float": "as_float16", "as_int": "as_int16", "as_uint": "as_uint16", "convert_float": "convert_float_lanes",
+         "convert_uint": "convert_uint_lanes", "sqrt": "sqrt_lanes"}
+"""Types of a path's numbers, and functions of them → those of sixteen paths'."""
 
 
-def in_lanes(*paths: str) -> str:
-    """The texts of ``cl/PATH`` for sixteen paths at once (cl/lib/lanes.cl): LANES is uint16, and each function and type has a name that ends in _lanes."""
-    text = "\n".join(_INCLUDE.sub("", _text(cl_root() / path)) for path in paths)
-    names = sorted({next(filter(None, match.groups())) for match in _LANES_NAME.finditer(text)})
-    return ("#undef LANES\n#define LANES uint16\n" + "".join(f"#define {name} {name}_lanes\n" for name in names) + text
-            + "".join(f"#undef {name}\n" for name in names) + "#undef LANES\n#define LANES uint\n")
+def in_lanes(*paths: str, above: str = "") -> str:
+    """The text ``above`` and that of ``cl/PATH`` for sixteen paths at once (cl/lib/lanes.cl): with wide types, and each of their functions and types
+    with a name that ends in _lanes.
+    """
+    text = "\n".join([above, *(_INCLUDE.sub("", _text(cl_root() / path)) for path in paths)])
+    names = {next(filter(None, match.groups())) for match in _OWN_NAME.finditer(text)}
+    renamed = _WIDE | {name: f"{name}_lanes" for name in names}
+    return re.sub(rf"\b({'|'.join(sorted(renamed))})\b", lambda match: renamed[match.group(1)], text)
 
 
 def c_struct(name: str, dtype: np.dtype) -> str:

@@ -63,11 +63,11 @@ class Times:
 
 @dataclass(frozen=True)
 class Count:
-    """What one launch of a stage found and left: ``items`` that waited for it, ``work_items`` launched, ``out`` what it gave to other stages, and
+    """What one launch of a stage found and left: ``items`` that waited for it, ``slots`` that it looked at, ``out`` what it gave to other stages, and
     where it traces ``visits``, (VISIT_BOUNCES, 3) uint64: rays, nodes and primitives by bounce."""
 
     items: int
-    work_items: int
+    slots: int
     out: dict[str, int]
     visits: np.ndarray | None = None
 
@@ -99,7 +99,7 @@ class Census:
             items = sum(count.items for (b, _, s), count in self.counts.items() if s == "generate" and b == batch)
         else:
             items = self._before.get(alive if stage == "extend" else self._queue(stage), 0)
-        self.counts[batch, number, stage] = Count(items, self.wavefront.work_items, self._given(after, stage), self._newly_visited(stage))
+        self.counts[batch, number, stage] = Count(items, self.wavefront.slots, self._given(after, stage), self._newly_visited(stage))
         self._before = after
 
     def _queue(self, stage: str) -> str:

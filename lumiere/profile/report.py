@@ -186,7 +186,7 @@ def trace_json(profile: Profile) -> str:
             events.append({"ph": "C", "pid": 1, "name": "paths alive", "ts": 1e6 * launch.start, "args": {"paths": profile.paths.get(key, 0)}})
         count = profile.counts.get((*key, launch.stage), Count(0, 0, {}))
         events.append({"ph": "X", "pid": 1, "tid": 1, "cat": "kernel", "name": launch.stage, "ts": 1e6 * launch.start, "dur": 1e6 * launch.seconds,
-                       "args": {"batch": launch.batch, "round": launch.round, "items": count.items, "work items": count.work_items, "out": count.out}})
+                       "args": {"batch": launch.batch, "round": launch.round, "items": count.items, "slots": count.slots, "out": count.out}})
     return json.dumps({"displayTimeUnit": "ms", "traceEvents": events}, ensure_ascii=False) + "\n"
 
 

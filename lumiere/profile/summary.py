@@ -84,17 +84,17 @@ def _stages(profile: Profile, launches: list[Launch], idle: list[float], kernels
     for stage, program in profile.programs.items():
         time = seconds[stage]
         counts = [count for (_, _, name), count in profile.counts.items() if name == stage]
-        items, work_items = sum(count.items for count in counts), sum(count.work_items for count in counts)
+        items, slots = sum(count.items for count in counts), sum(count.slots for count in counts)
         out: dict[str, int] = defaultdict(int)
         for count in counts:
             for to, given in count.out.items():
                 out[to] += given
-        moved = program.traffic.bytes * items + queue_bytes(profile.render.wavefront.policy, stage, items, sum(out.values()), work_items)
+        moved = program.traffic.bytes * items + queue_bytes(profile.render.wavefront.policy, stage, items, sum(out.values()), slots)
         rays, nodes, primitives = sum((_visits(count).sum(axis=0) for count in counts), np.zeros(3, np.uint64)).tolist()
         tree = None if node_bytes is None or stage not in TRACING else (nodes * node_bytes + primitives * primitive_bytes)
         rows.append({
             "stage": stage, "seconds": time, "share": time / kernels if kernels > 0.0 else 0.0, "launches": number[stage], "items": items,
-            "out": dict(out), "occupancy": items / work_items if work_items and stage != "accumulate" else None,
+            "out": dict(out), "occupancy": items / slots if slots and stage != "accumulate" else None,
             "rays_per_second": items / time if stage in TRACING and time > 0.0 else None,
             "nodes_per_ray": nodes / rays if rays else None, "primitives_per_ray": primitives / rays if rays else None,
             "tree_bytes_per_second": tree / time if tree is not None and time > 0.0 else None, "idle_before": waits[stage],
@@ -154,9 +154,9 @@ def _rounds(profile: Profile, launches: list[Launch]) -> list[dict[str, Any]]:
     for launch in launches:
         seconds[launch.batch, launch.round][launch.stage] = launch.seconds
     items: dict[tuple[int, int], dict[str, int]] = defaultdict(dict)
-    work_items: dict[tuple[int, int], int] = {}
+    slots: dict[tuple[int, int], int] = {}
     for (batch, number, stage), count in profile.counts.items():
         items[batch, number][stage] = count.items
-        work_items[batch, number] = count.work_items
-    return [{"batch": batch, "round": number, "paths": profile.paths.get((batch, number), 0), "work_items": work_items.get((batch, number), 0),
+        slots[batch, number] = count.slots
+    return [{"batch": batch, "round": number, "paths": profile.paths.get((batch, number), 0), "slots": slots.get((batch, number), 0),
              "items": items.get((batch, number), {}), "seconds": seconds[batch, number]} for batch, number in sorted(seconds)]

@@ -16,7 +16,7 @@ from lumiere.wavefront.state import path_fields
 COPIED = 256 << 20
 """Bytes of the buffer that is copied: more than caches hold."""
 
-_ACCESS = re.compile(r"\bpath_(get|set)_(\w+)\((?!const path_t)")
+_ACCESS = re.compile(r"\bpath_(get|set)_(\w+?)(?:_lanes)?\((?!const path_t)")
 _DIRECTIVE = re.compile(r"\s*#\s*(ifdef|ifndef|if|else|elif|endif|define|undef)\b\s*(\w*)")
 
 
@@ -34,14 +34,14 @@ class Traffic:
         return self.read + self.written + self.samples
 
 
-def queue_bytes(policy: Policy, stage: str, items: int, given: int, work_items: int) -> int:
+def queue_bytes(policy: Policy, stage: str, items: int, given: int, slots: int) -> int:
     """Bytes of queues that launches of a stage move: of lists an entry an item and an entry for each slot that they give to another stage or, as
     they do with what they end, to the idle ones; of tags every slot's, and again those of items. None where it takes from no queue, or gives to none.
     """
     if stage == "accumulate":
         return 0
     if not policy.compacted:
-        return 4 * (work_items * (2 if stage == "generate" else 1) + (0 if stage == "connect" else items))
+        return 4 * (slots * (2 if stage == "generate" else 1) + (0 if stage == "connect" else items))
     return 4 * (items + given + (0 if stage in ("generate", "connect") else max(0, items - given)))
 
 

@@ -41,8 +41,8 @@ class Wavefront:
     """Told each launch's stage, round and event; the queue must then have been made with profiling."""
     compiler_options: Callable[[str], tuple[str, ...]] = Overrides().options_of
     """Of a stage's programs, by the stage's name."""
-    work_items: int = 0
-    """Of the last launch."""
+    slots: int = 0
+    """That the last launch looked at."""
 
     def __post_init__(self) -> None:
         features, policy = self.buffers.features, self.policy
@@ -67,11 +67,16 @@ class Wavefront:
 
     def _build(self) -> None:
         """The programs and their kernels; those that count visits where there are counts for them."""
+        import pyopencl as cl
+
         sources = program_sources(self.buffers, self.policy, counting=bool(self._visits))
         sources = [replace(source, options=self.compiler_options(source.name.partition("[")[0])) for source in sources]
         self.builds = build_all(sources, self.context, self.queue.device)
         self._rounds = [[self._stage(build, parity) for build in self.builds[:-1]] for parity in (0, 1)]
         self._accumulate = self._accumulate_kernel(self.builds[-1])
+        # A group does work_group slots, by as many work-items or by one for several (cl/lib/lanes.cl).
+        self._group_sizes = [kernel.get_work_group_info(cl.kernel_work_group_info.COMPILE_WORK_GROUP_SIZE, self.queue.device)[0]
+                             for kernel in self._rounds[0]]
 
     def count_visits(self) -> None:
         """From now on ``visits`` tells what rays have visited; the stages that trace are slower for it."""
@@ -142,14 +147,14 @@ class Wavefront:
         import pyopencl as cl
 
         self._begin(batch)
-        group, size = (self.policy.work_group,), (self.policy.slots,)
+        group, slots = self.policy.work_group, self.policy.slots
         pending: tuple[Any, np.ndarray] | None = None
         done = 0
         while True:
             for number in range(self.policy.rounds):
-                for build, kernel in zip(self.builds, self._rounds[number % 2], strict=False):
-                    event = cl.enqueue_nd_range_kernel(self.queue, kernel, size, group)
-                    self.work_items = size[0]
+                for build, kernel, items in zip(self.builds, self._rounds[number % 2], self._group_sizes, strict=False):
+                    event = cl.enqueue_nd_range_kernel(self.queue, kernel, (slots // group * items,), (items,))
+                    self.slots = slots
                     if self.observer is not None:
                         self.observer(build.name, done + number, event)
             done += self.policy.rounds
@@ -162,10 +167,10 @@ class Wavefront:
                 if live == 0:
                     break
                 if self.policy.compacted and pending[1][len(self.queues) + COUNTERS.index("NEXT_SAMPLE")] >= batch.sample_count:
-                    size = (-(-live // group[0]) * group[0],)  # no queue grows any more
+                    slots = -(-live // group) * group  # no queue grows any more
             pending = (look, counters)
         pixels = -(-batch.pixel_count // self.policy.work_group) * self.policy.work_group
-        event = cl.enqueue_nd_range_kernel(self.queue, self._accumulate, (pixels,), group)
+        event = cl.enqueue_nd_range_kernel(self.queue, self._accumulate, (pixels,), (group,))
         if self.observer is not None:
             self.observer("accumulate", done, event)
         look.wait()

@@ -66,9 +66,11 @@ def words_per_path(features: Features) -> tuple[int, int]:
     return (sum(f.size for f in fields if f.kind != "uint"), sum(f.size for f in fields if f.kind == "uint"))
 
 
-def path_source(features: Features) -> str:
-    """``lib/path.cl``: the type path_t and a getter and a setter for each field."""
-    text = ["typedef struct {\n    global float *floats;\n    global uint *uints;\n    uint stride;\n} path_t;\n"]
+def path_source(features: Features, *, lanes: bool) -> str:
+    """``lib/path.cl``: the type path_t and a getter and a setter for each field; with ``lanes`` also for sixteen slots from ``slot`` on, of which those
+    that the mask names are set.
+    """
+    text = ['#include "lib/lanes.cl"\n' * lanes + "typedef struct {\n    global float *floats;\n    global uint *uints;\n    uint stride;\n} path_t;\n"]
     offsets = {"float": 0, "uint": 0}
     for field in path_fields(features):
         words = "uint" if field.kind == "uint" else "float"
@@ -80,4 +82,12 @@ def path_source(features: Features) -> str:
         text.append(f"// {field.doc}\n"
                     f"static inline {field.kind} path_get_{field.name}(const path_t *path, uint slot) {{ return {value}; }}\n"
                     f"static inline void path_set_{field.name}(const path_t *path, uint slot, {field.kind} value) {{ {sets} }}\n")
+        if lanes:
+            wide = {"float": "float16", "uint": "uint16", "float3": "float3_lanes"}[field.kind]
+            at = [f"path->{words}s + (size_t){first + i}u * path->stride + slot" for i in range(field.size)]
+            value = f"load_{words}_lanes({at[0]})" if field.size == 1 else f"load3_lanes({', '.join(at)})"
+            values = ["value"] if field.size == 1 else [f"value.{c}" for c in "xyz"]
+            sets = " ".join(f"store_{words}_lanes({a}, mask, {v});" for a, v in zip(at, values, strict=True))
+            text.append(f"static inline {wide} path_get_{field.name}_lanes(const path_t *path, uint slot) {{ return {value}; }}\n"
+                        f"static inline void path_set_{field.name}_lanes(const path_t *path, uint slot, int16 mask, {wide} value) {{ {sets} }}\n")
     return "\n".join(text)

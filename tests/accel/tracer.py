@@ -11,7 +11,7 @@ from lumiere.accel import PACKET_LAYOUTS, SPATIAL, Accelerator, names, preferrin
 from lumiere.accel.build import Topology
 from lumiere.accel.spatial import SpatialSplits
 from lumiere.device.array import Array
-from lumiere.device.source import assemble, template
+from lumiere.device.source import assemble, in_lanes, template
 from lumiere.shape.triangle import Triangle
 from lumiere.wavefront.policy import is_gpu
 from tests.contexts import context_of
@@ -86,31 +86,28 @@ kernel void trace(%s
                   global const float *rays, const uint ray_count, const int any_hit, global float *hits, global uint *primitives)
 {
     uint i = get_global_id(0);
-    if (i %% PACKET != 0u || i >= ray_count)
+    if (i %% LANES != 0u || i >= ray_count)
         return;
     scene_t scene_here = {%s count, first};
     const scene_t *scene = &scene_here;
+    each_float_t of[7];
+    for (uint lane = 0u; lane < LANES; lane++)
+        for (uint k = 0u; k < 7u; k++)
+            of[k].lane[lane] = i + lane < ray_count ? rays[7 * (size_t)(i + lane) + k] : 0.0f;
+    const ray_t_lanes all = {{of[0].all, of[1].all, of[2].all}, {of[3].all, of[4].all, of[5].all}, of[6].all};
     packet_t packet;
-    for (uint lane = 0u; lane < PACKET; lane++) {
-        packet_set_none(&packet, lane);
-        if (i + lane < ray_count) {
-            global const float *at = rays + 7 * (size_t)(i + lane);
-            const ray_t ray = {vload3(0, at), vload3(0, at + 3), at[6]};
-            packet_set(&packet, lane, &ray);
-        }
-        packet.u.lane[lane] = packet.v.lane[lane] = 0.0f;
-    }
+    packet_set(&packet, -1, &all);
     if (any_hit)
         triangle_occluded_packet(scene, &packet);
     else
         triangle_nearest_packet(scene, &packet);
-    for (uint lane = 0u; lane < PACKET && i + lane < ray_count; lane++) {
+    for (uint lane = 0u; lane < LANES && i + lane < ray_count; lane++) {
         size_t at = i + lane;
         const hit_t hit = packet_hit(&packet, lane);
-        hits[3 * at] = packet.met[lane] ? hit.t : rays[7 * at + 6];
+        hits[3 * at] = packet.met.lane[lane] ? hit.t : rays[7 * at + 6];
         hits[3 * at + 1] = hit.u;
         hits[3 * at + 2] = hit.v;
-        primitives[at] = any_hit ? packet.met[lane] : packet.met[lane] ? hit.primitive : 0xffffffffu;
+        primitives[at] = any_hit ? (uint)(packet.met.lane[lane] != 0) : packet.met.lane[lane] ? hit.primitive : 0xffffffffu;
     }
 }
 """
@@ -130,7 +127,8 @@ def _program(device: cl.Device, layout: str, arrays: tuple[tuple[str, str], ...]
     kernel = PACKET_KERNEL if layout in PACKET_LAYOUTS else KERNEL
     kernel %= ("".join(f"global const {c_type} *{name}, " for name, c_type in arrays), "".join(f"{name}, " for name, _ in arrays))
     defines += "" if is_gpu(device) else "#define CPU\n"
-    text = assemble("trace.cl", defines, {"trace.cl": scene_struct(dict(arrays)) + SHAPE + template(f"accel/{layout}.cl") + kernel})
+    layout_text = SHAPE + template(f"accel/{layout}.cl") + kernel
+    text = assemble("trace.cl", defines, {"scene/lanes.cl": in_lanes("lib/vector.cl", "lib/ray.cl"), "trace.cl": scene_struct(dict(arrays)) + layout_text})
     return context, cl.CommandQueue(context), cl.Kernel(cl.Program(context, text).build(), "trace")
 
 

@@ -33,6 +33,7 @@ def test_a_field_counts_once_a_way() -> None:
     text = ("static inline float3 path_get_origin(const path_t *path, uint slot) { return 0; }\n"
             "x = path_get_direction(path, slot) + path_get_direction(&path, slot);\n"
             "path_set_direction(path, slot, x); path_set_depth(path, slot, 1u);\n"
+            "path_set_depth_lanes(path, first, mask, path_get_direction_lanes(path, first));\n"
             "#ifdef PATH_BSDF_PDF\npath_set_bsdf_pdf(path, slot, 0.0f);\n#endif\n")
     assert path_traffic("shade", text, FEATURES) == Traffic(read=12, written=16)
     assert path_traffic("connect", text + "sample_add_radiance(&scene, x);\n", FEATURES) == Traffic(read=12, written=16, samples=24)
@@ -41,11 +42,11 @@ def test_a_field_counts_once_a_way() -> None:
 
 def test_lists_move_entries_and_tags_move_every_slot() -> None:
     lists, tags = (Policy(compacted, 64, 1024, 1024, 2) for compacted in (True, False))
-    assert queue_bytes(lists, "extend", items=10, given=8, work_items=64) == 4 * (10 + 10)  # two paths have ended, and their slots are idle
-    assert queue_bytes(lists, "connect", items=10, given=0, work_items=64) == 4 * 10
-    assert queue_bytes(tags, "extend", items=10, given=8, work_items=1024) == 4 * (1024 + 10)
-    assert queue_bytes(tags, "generate", items=10, given=10, work_items=1024) == 4 * (2 * 1024 + 10)
-    assert queue_bytes(lists, "accumulate", items=10, given=0, work_items=64) == 0
+    assert queue_bytes(lists, "extend", items=10, given=8, slots=64) == 4 * (10 + 10)  # two paths have ended, and their slots are idle
+    assert queue_bytes(lists, "connect", items=10, given=0, slots=64) == 4 * 10
+    assert queue_bytes(tags, "extend", items=10, given=8, slots=1024) == 4 * (1024 + 10)
+    assert queue_bytes(tags, "generate", items=10, given=10, slots=1024) == 4 * (2 * 1024 + 10)
+    assert queue_bytes(lists, "accumulate", items=10, given=0, slots=64) == 0
 
 
 def test_registers_are_read_from_the_log() -> None:

@@ -75,7 +75,7 @@ def test_items_are_the_rays_and_paths(device: Any, compacted: bool, monkeypatch:
         assert total[stage] == sum(count.out.get(stage, 0) for count in census.counts.values())
     assert not any(count.out for (_, _, name), count in census.counts.items() if name in ("escape", "connect", "accumulate"))
     for (_, _, name), count in census.counts.items():
-        assert 0 <= count.items <= count.work_items or name == "accumulate"
+        assert 0 <= count.items <= count.slots or name == "accumulate"
         assert (count.visits is not None) == (name in TRACING)
         if name in TRACING:
             assert count.visits[:, 0].sum() == count.items

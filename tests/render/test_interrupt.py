@@ -21,7 +21,7 @@ from lumiere.cli.main import command
 build = program.build
 
 def told(*arguments):
-    os.write(1, b"compiling\n")  # in one piece, since programs compile side by side
+    os.write(1, b"compiling\\n")  # in one piece, since programs compile side by side
     return build(*arguments)
 
 program.build = told
