@@ -34,5 +34,5 @@ def policy_for(device: Any, samples: int, bytes_per_path: int, bytes_per_sample:
     work_group = min(256 if gpu else 64, device.max_work_group_size)
     memory = min(device.global_mem_size // 4, device.max_mem_alloc_size)
     slots = min(1 << 26 if gpu else 1 << 15, memory // 2 // max(1, bytes_per_path), max(1, samples))
-    batch = min(1 << 26 if gpu else 1 << 20, memory // max(1, bytes_per_sample), max(1, samples))
+    batch = min(1 << 26 if gpu else 1 << 22, memory // max(1, bytes_per_sample), max(1, samples))
     return Policy(gpu, work_group, -(-slots // work_group) * work_group, batch, 2 if gpu else 8, groups_leave=gpu, fill=1 << 24 if gpu else 1 << 16)

@@ -61,16 +61,29 @@ def test_parallelograms_are_met_as_their_triangles(device: cl.Device) -> None:
     random = np.random.default_rng(9)
     pairs = parallelograms(16, random)
     lone = random.random((5, 3, 3)).astype(np.float32)
-    # A fan of three triangles has one parallelogram at most; two in another order, or a hair apart, are none.
+    # A fan of three triangles has one parallelogram at most; two in another order, or further apart than by roundings, are none.
     others = parallelograms(5, random)
     a, c, d = others[1]
-    others[3, 2] = np.nextafter(others[3, 2], np.float32(9.0))
+    others[3, 2] += np.float32(1e-5)
     triangles = np.concatenate([lone[:2], pairs, lone[2:], others[:2], [[a, d, a + d - c]], others[2:4], others[9:3:-1]])
     met_as_one = Flat16().encode(Flat16().build(triangles.min(axis=1), triangles.max(axis=1)), _records(triangles))["planes"][:, 17]
     assert np.flatnonzero(met_as_one).tolist() == [*range(2, 34, 2), 37]
     origins, directions = rays_around(triangles, 20_011, random)
     primitives = assert_like_single_rays(device, triangles, origins, directions)
     assert len(np.unique(primitives)) > 40  # both triangles of nearly all
+
+
+def test_turned_parallelograms_are_met_as_their_triangles(device: cl.Device) -> None:
+    """Whose corners are rounded, far from the origin too: each is off its plane, and off its side."""
+    random = np.random.default_rng(10)
+    turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
+    for far in (0.0, 30.0):
+        triangles = (parallelograms(30, random).reshape(-1, 3) @ turn + far).astype(np.float32).reshape(-1, 3, 3)
+        planes = Flat16().encode(Flat16().build(triangles.min(axis=1), triangles.max(axis=1)), _records(triangles))["planes"]
+        assert planes[:, 17].sum() == 30
+        a, b, c, d = triangles[0::2, 0], triangles[0::2, 1], triangles[0::2, 2], triangles[1::2, 2]
+        assert np.any(a + c != b + d)
+        assert_like_single_rays(device, triangles, *rays_around(triangles, 20_011, random))
 
 
 def _records(triangles: np.ndarray) -> np.ndarray:
