@@ -27,6 +27,7 @@ static inline void visits_record(global uint *counts, const visits_t *visits, ui
 
 // What the rays of a packet have visited together is shared among them, before each is recorded.
 #define SHARE_VISITS(rays) visits.nodes /= max(rays, 1u); visits.primitives /= max(rays, 1u)
+#define FORGET_VISITS visits.nodes = visits.primitives = 0u;
 #define RECORD_VISITS_OF_LANES(mask, first, since) \
     const each_int_t traced = {mask}; \
     for (uint lane = 0u; lane < LANES; lane++) \
@@ -36,6 +37,7 @@ static inline void visits_record(global uint *counts, const visits_t *visits, ui
 #else
 
 #define SHARE_VISITS(rays)
+#define FORGET_VISITS
 #define RECORD_VISITS_OF_LANES(mask, first, since)
 #define VISIT_NODE(scene)
 #define VISIT_PRIMITIVES(scene, count)

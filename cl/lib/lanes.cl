@@ -4,6 +4,7 @@
 // sixteen, with types of sixteen and names that end in _lanes (lumiere/device/source.py). A truth is then an int of every lane: −1 or 0.
 
 #define LANES 16u
+#define LANE_NUMBERS ((uint16)(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 9u, 10u, 11u, 12u, 13u, 14u, 15u))
 
 typedef struct {
     float16 x, y;

@@ -25,25 +25,49 @@ static inline void add_contribution(const scene_t *scene, const path_t *path, co
 
 #ifdef RAY_PACKETS
 
-// A work-item traces the rays of sixteen slots.
-kernel LANES_GROUP UNVECTORIZED void connect(STAGE_PARAMETERS)
+// The shadow rays of sixteen slots, which need not be neighbours.
+static inline ray_t_lanes shadow_rays(const path_t *path, const uint *slots, uint count)
+{
+    each_float_t ox, oy, oz, dx, dy, dz, t_max;
+    for (uint lane = 0u; lane < LANES; lane++) {
+        const ray_t ray = shadow_ray(path, slots[lane < count ? lane : 0u]);
+        ox.lane[lane] = ray.o.x;
+        oy.lane[lane] = ray.o.y;
+        oz.lane[lane] = ray.o.z;
+        dx.lane[lane] = ray.d.x;
+        dy.lane[lane] = ray.d.y;
+        dz.lane[lane] = ray.d.z;
+        t_max.lane[lane] = ray.t_max;
+    }
+    const ray_t_lanes rays = {{ox.all, oy.all, oz.all}, {dx.all, dy.all, dz.all}, t_max.all};
+    return rays;
+}
+
+// A work-item does the slots of a group: those that have a shadow ray, half of them perhaps, fill packets.
+kernel __attribute__((reqd_work_group_size(1, 1, 1))) UNVECTORIZED void connect(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
-    const uint first = (uint)get_global_id(0) * LANES;
-    const int16 waiting = queue_holds_connect_lanes(&queues, first);
-    if (!any_lane(waiting))
-        return;
-    const ray_t_lanes rays = {path_get_shadow_origin_lanes(&path, first), path_get_shadow_direction_lanes(&path, first),
-                              path_get_shadow_t_max_lanes(&path, first)};
-    packet_t packet;
-    packet_set(&packet, waiting, &rays);
-    trace_occluded_packet(&scene, &packet);
-    SHARE_VISITS(packet.rays);
-    const each_int_t lit = {waiting & ~packet.met.all};
-    for (uint lane = 0u; lane < LANES; lane++)
-        if (lit.lane[lane])
-            add_contribution(&scene, &path, &samples, first + lane);
-    RECORD_VISITS_OF_LANES(waiting, first, 1u);
+    uint slots[WORK_GROUP_SIZE];
+    uint waiting = 0u;
+    for (uint i = 0u; i < WORK_GROUP_SIZE; i++) {
+        const uint slot = (uint)get_global_id(0) * WORK_GROUP_SIZE + i;
+        slots[waiting] = slot;
+        waiting += queue_holds_connect(&queues, slot) ? 1u : 0u;
+    }
+    for (uint first = 0u; first < waiting; first += LANES) {
+        const uint count = min(LANES, waiting - first);
+        const ray_t_lanes rays = shadow_rays(&path, slots + first, count);
+        packet_t packet;
+        packet_set(&packet, LANE_NUMBERS < count, &rays);
+        trace_occluded_packet(&scene, &packet);
+        SHARE_VISITS(count);
+        for (uint lane = 0u; lane < count; lane++) {
+            if (!packet.met.lane[lane])
+                add_contribution(&scene, &path, &samples, slots[first + lane]);
+            RECORD_VISITS(slots[first + lane], 1u);
+        }
+        FORGET_VISITS
+    }
 }
 
 #else
