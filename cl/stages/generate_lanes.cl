@@ -1,4 +1,4 @@
-// generate, for sixteen neighbouring slots at once: the same steps as in stages/generate.cl, in vectors. Takes its place on CPUs, for kinds of cameras
+// generate, for sixteen paths at once: the same steps as in stages/generate.cl, in vectors. Takes its place on CPUs, for kinds of cameras
 // that are written for lanes (lumiere/wavefront/source.py).
 //
 // From: the idle slots. To: extend.
@@ -14,32 +14,27 @@
 #include "scene/sampler_lanes.cl"
 #include "scene/lanes.cl"
 
-// Sixteen samples of the batch: which they are, and the pixels and samples of those that they stand for.
+// Samples of the batch: the pixels and samples of those that they stand for.
 typedef struct {
-    each_uint_t sample, x, y, index;
+    each_uint_t x, y, index;
 } film_samples_t;
 
-// Numbers the lanes that are `wanted` from *next on. Neighbours are samples of one pixel, mostly: where they are, there is nothing to divide.
-static inline film_samples_t film_samples(const scene_t *scene, int16 wanted, uint *next)
+// Of `count` samples from `first` on. Neighbours are samples of one pixel, mostly: where they are, there is nothing to divide.
+static inline film_samples_t film_samples(const scene_t *scene, uint first, uint count)
 {
-    const each_int_t taken = {wanted};
-    film_samples_t s = {{0u}, {0u}, {0u}, {0u}};
+    film_samples_t s = {{0u}, {0u}, {0u}};
     film_sample_t at = {0u, 0u, 0u};
     uint left = 0u;  // samples of the pixel after this one
-    for (uint lane = 0u; lane < LANES; lane++) {
-        if (!taken.lane[lane])
-            continue;
+    for (uint lane = 0u; lane < count; lane++) {
         if (left == 0u) {
-            at = film_sample(scene, *next);
-            left = scene->batch->samples_a_pixel - *next % scene->batch->samples_a_pixel;
+            at = film_sample(scene, first + lane);
+            left = scene->batch->samples_a_pixel - (first + lane) % scene->batch->samples_a_pixel;
         } else
             at.index++;
         left--;
-        s.sample.lane[lane] = *next;
         s.x.lane[lane] = at.x;
         s.y.lane[lane] = at.y;
         s.index.lane[lane] = at.index;
-        (*next)++;
     }
     return s;
 }
@@ -66,17 +61,17 @@ static inline float2_lanes film_offsets(const scene_t *scene, pair_t_lanes u, fl
     return offset;
 }
 
-// Starts the samples from *next on in those of the sixteen slots that are `wanted`.
-static inline void start_paths(const scene_t *scene, const path_t *path, const samples_t *samples, int16 wanted, uint first, uint *next)
+// Starts `count` samples from `first` on in as many slots, sixteen at most.
+static inline void start_paths(const scene_t *scene, const path_t *path, const samples_t *samples, uint first, uint count, const uint *slots)
 {
     for (uint channel = 0u; channel < CHANNEL_COUNT; ++channel)
-        for (uint i = 0u; i < count_lanes(wanted); i++)
-            sample_set(samples, channel, *next + i, 0.0f);
-    const film_samples_t at = film_samples(scene, wanted, next);
-    const uint16 seed = hash_combine_lanes(hash_combine_lanes(scene->render->seed, at.x.all), at.y.all);
-    const sequence_t_lanes sampler = {seed, at.index.all};
-    float16 weight;
-    const float2_lanes offset = film_offsets(scene, sample_2d_lanes(&sampler, DIMENSION_FILM), &weight);
+        for (uint lane = 0u; lane < count; lane++)
+            sample_set(samples, channel, first + lane, 0.0f);
+    const film_samples_t at = film_samples(scene, first, count);
+    const each_uint_t seed = {hash_combine_lanes(hash_combine_lanes(scene->render->seed, at.x.all), at.y.all)};
+    const sequence_t_lanes sampler = {seed.all, at.index.all};
+    each_float_t weight;
+    const float2_lanes offset = film_offsets(scene, sample_2d_lanes(&sampler, DIMENSION_FILM), &weight.all);
     float2_lanes lens = {0.0f, 0.0f};
 #ifdef CAMERA_LENS
     const pair_t_lanes u = sample_2d_lanes(&sampler, DIMENSION_LENS);
@@ -85,52 +80,49 @@ static inline void start_paths(const scene_t *scene, const path_t *path, const s
     float3_lanes origin, direction;
     camera_ray_lanes(scene->camera, film_point_lanes(scene->render, at.x.all, at.y.all, offset), lens, &origin, &direction);
     origin = add3_lanes(camera_to_world_lanes(scene->camera, origin), camera_position_lanes(scene->camera));
-    path_set_sample_lanes(path, first, wanted, at.sample.all);
-    path_set_depth_lanes(path, first, wanted, 0u);
-    path_set_seed_lanes(path, first, wanted, seed);
-    path_set_index_lanes(path, first, wanted, at.index.all);
-    path_set_origin_lanes(path, first, wanted, origin);
-    path_set_direction_lanes(path, first, wanted, unit3_lanes(camera_to_world_lanes(scene->camera, direction)));
-    path_set_throughput_lanes(path, first, wanted, float3_of_lanes(weight, weight, weight));
+    direction = unit3_lanes(camera_to_world_lanes(scene->camera, direction));
+    const each_float_t ox = {origin.x}, oy = {origin.y}, oz = {origin.z}, dx = {direction.x}, dy = {direction.y}, dz = {direction.z};
+    for (uint lane = 0u; lane < count; lane++) {
+        const uint slot = slots[lane];
+        path_set_sample(path, slot, first + lane);
+        path_set_depth(path, slot, 0u);
+        path_set_seed(path, slot, seed.lane[lane]);
+        path_set_index(path, slot, at.index.lane[lane]);
+        path_set_origin(path, slot, (float3)(ox.lane[lane], oy.lane[lane], oz.lane[lane]));
+        path_set_direction(path, slot, (float3)(dx.lane[lane], dy.lane[lane], dz.lane[lane]));
+        path_set_throughput(path, slot, (float3)(weight.lane[lane]));
 #ifdef PATH_BSDF_PDF
-    path_set_bsdf_pdf_lanes(path, first, wanted, 0.0f);
+        path_set_bsdf_pdf(path, slot, 0.0f);
 #endif
 #ifdef PATH_ETA_SCALE
-    path_set_eta_scale_lanes(path, first, wanted, 1.0f);
+        path_set_eta_scale(path, slot, 1.0f);
 #endif
+    }
 }
 
 // A work-item does the slots of a group: a census, by which the idle ones get samples, and those that live and those that traced a shadow ray are counted.
 kernel __attribute__((reqd_work_group_size(1, 1, 1))) UNVECTORIZED void generate(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
-    const uint begin = (uint)get_global_id(0) * WORK_GROUP_SIZE, end = begin + WORK_GROUP_SIZE;
+    const uint begin = (uint)get_global_id(0) * WORK_GROUP_SIZE;
     if (begin == 0u)
         counters[QUEUE_EXTEND_0 + (1u - parity)] = 0u;
+    uint slots[WORK_GROUP_SIZE];
     uint idle = 0u, connected = 0u;
-    for (uint first = begin; first < end; first += LANES) {
-        const int16 traced = queue_holds_connect_lanes(&queues, first);
-        idle += count_lanes(queue_holds_lanes(&queues, QUEUE_IDLE_0, first));
-        connected += count_lanes(traced);
-        store_uint_lanes(queues.connects + first, traced, 0u);
+    for (uint i = 0u; i < WORK_GROUP_SIZE; i++) {
+        slots[idle] = begin + i;
+        idle += queue_holds(&queues, QUEUE_IDLE_0, begin + i) ? 1u : 0u;
+        connected += queue_holds_connect(&queues, begin + i) ? 1u : 0u;
+        queues.connects[begin + i] = 0u;
     }
-    const uint count = scene.batch->sample_count;
-    uint next = idle > 0u ? atomic_add(counters + COUNTER_NEXT_SAMPLE, idle) : count;
-    uint started = next < count ? min(idle, count - next) : 0u;
-    const uint busy = WORK_GROUP_SIZE - idle + started;
-    if (busy > 0u)
-        atomic_add(counters + QUEUE_EXTEND_0 + parity, busy);
+    const uint end = scene.batch->sample_count, first = idle > 0u ? atomic_add(counters + COUNTER_NEXT_SAMPLE, idle) : end;
+    const uint started = first < end ? min(idle, end - first) : 0u;
+    if (WORK_GROUP_SIZE - idle + started > 0u)
+        atomic_add(counters + QUEUE_EXTEND_0 + parity, WORK_GROUP_SIZE - idle + started);
     if (connected > 0u)
         atomic_add(counters + COUNTER_SHADOW_RAYS, connected);
-    for (uint first = begin; first < end && started > 0u; first += LANES) {
-        each_int_t wanted = {queue_holds_lanes(&queues, QUEUE_IDLE_0, first)};
-        for (uint lane = 0u; lane < LANES; lane++) {
-            wanted.lane[lane] &= started > 0u ? -1 : 0;
-            started -= wanted.lane[lane] ? 1u : 0u;
-        }
-        if (!any_lane(wanted.all))
-            continue;
-        start_paths(&scene, &path, &samples, wanted.all, first, &next);
-        queue_push_lanes(&queues, wanted.all, QUEUE_EXTEND_0, first);
-    }
+    for (uint i = 0u; i < started; i++)
+        queue_push(&queues, QUEUE_EXTEND_0, slots[i], scratch);
+    for (uint i = 0u; i < started; i += LANES)
+        start_paths(&scene, &path, &samples, first + i, min(LANES, started - i), slots + i);
 }
