@@ -46,6 +46,9 @@ static inline uint16 convert_uint_lanes(float16 x)
     return (uint16)(convert_uint8(x.lo), convert_uint8(x.hi));
 }
 
+// Before a loop over lanes that fetches from all over: loads one by one are faster than the gathers that compilers would make of them (docs/performance.md).
+#define ONE_BY_ONE _Pragma("clang loop vectorize(disable)")
+
 static inline bool any_lane(int16 mask)
 {
     const int8 a = mask.lo | mask.hi;

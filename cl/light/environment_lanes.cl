@@ -6,6 +6,7 @@
 static inline light_sample_t_lanes environment_sample_lanes(const scene_t *scene, const each_uint_t *index, float3_lanes reference, pair_t_lanes u)
 {
     each_float_t r, g, b;
+    ONE_BY_ONE
     for (uint lane = 0u; lane < LANES; lane++) {
         global const float *radiance = scene->environment_lights[index->lane[lane]].radiance;
         r.lane[lane] = radiance[0];

@@ -9,6 +9,7 @@ static inline light_sample_t_lanes emitter_sample_lanes(const scene_t *scene, co
     each_uint_t triangle;
     each_float_t r, g, b;
     each_int_t both_sides;
+    ONE_BY_ONE
     for (uint lane = 0u; lane < LANES; lane++) {
         const uint primitive = scene->emitters[emitter->lane[lane]];
         global const emission_t *emission = scene->emissions + scene->objects[scene->primitive_objects[primitive]].emission;

@@ -29,6 +29,7 @@ static inline void add_contribution(const scene_t *scene, const path_t *path, co
 static inline ray_t_lanes shadow_rays(const path_t *path, const uint *slots, uint count)
 {
     each_float_t ox, oy, oz, dx, dy, dz, t_max;
+    ONE_BY_ONE
     for (uint lane = 0u; lane < LANES; lane++) {
         const ray_t ray = shadow_ray(path, slots[lane < count ? lane : 0u]);
         ox.lane[lane] = ray.o.x;

@@ -35,6 +35,7 @@ static inline met_t what_was_met(const scene_t *scene, const path_t *path, int16
     const each_int_t wanted = {waiting};
     met_t met;
     met.primitive.all = waiting ? path_get_primitive_lanes(path, first) : scene->render->triangle_first;
+    ONE_BY_ONE
     for (uint lane = 0u; lane < LANES; lane++) {
         global const object_t *object = scene->objects + scene->primitive_objects[met.primitive.lane[lane]];
         met.two_sided.lane[lane] = (object->flags & OBJECT_TWO_SIDED) != 0u ? -1 : 0;
