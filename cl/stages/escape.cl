@@ -7,7 +7,7 @@
 #include "lib/queue.cl"
 #include "lib/samples.cl"
 
-kernel WORK_GROUP void escape(STAGE_PARAMETERS)
+kernel WORK_GROUP UNVECTORIZED void escape(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
     if (queue_is_over(&queues, QUEUE_ESCAPE))
