@@ -1,5 +1,7 @@
 // What sampling a BSDF returns. The contract in words: docs/architecture.md. For one path or sixteen (lib/lanes.cl).
 
+#include "lib/math.cl"
+
 typedef struct {
     float3 wi;      // sampled direction in the local shading frame, unit
     float3 weight;  // f |cos θi| / pdf; 0 where the sample failed
