@@ -3,6 +3,7 @@
 #include "lib/lights.cl"
 #include "scene/lanes.cl"
 #include "scene/lights_lanes.cl"
+#include "scene/sampler_lanes.cl"
 
 #ifdef LIGHTS_ONE_BY_ONE
 // Light samples that are written one by one.

@@ -1,6 +1,7 @@
 // The constant environment, sampled for sixteen paths.
 
 #include "scene/lanes.cl"
+#include "scene/sampler_lanes.cl"
 #include "light/environment.cl"
 
 static inline light_sample_t_lanes environment_sample_lanes(const scene_t *scene, const each_uint_t *index, float3_lanes reference, pair_t_lanes u)

@@ -1,6 +1,7 @@
 // Triangles that emit, sampled for sixteen paths.
 
 #include "scene/lanes.cl"
+#include "scene/sampler_lanes.cl"
 #include "light/shape.cl"
 #include "shape/triangle_lanes.cl"
 

@@ -13,9 +13,9 @@
 #include "lib/samples.cl"
 #include "lib/shapes.cl"
 #include "lib/tilt.cl"
-#include "lib/vertex_random.cl"
 #include "scene/bsdf.cl"
 #include "scene/cone.cl"
+#include "scene/vertex_random.cl"
 
 // Where the path stands: what it met, and the frame in which the BSDF works.
 typedef struct {

@@ -4,15 +4,13 @@
 // From: extend. To: connect (a shadow ray), extend (the path goes on); else the slot is idle.
 
 #include "lib/lanes.cl"
+#include "lib/lights_lanes.cl"
 #include "lib/met_emission.cl"
 #include "lib/path.cl"
 #include "lib/queue.cl"
-#include "lib/vertex_random.cl"
+#include "lib/vertex_random_lanes.cl"
 #include "scene/bsdf_lanes.cl"
 #include "shape/triangle_lanes.cl"
-#ifdef NEXT_EVENT_ESTIMATION
-#include "lib/lights_lanes.cl"
-#endif
 
 // Where the paths stand, lane by lane; in lanes of slots that want something else, on the first triangle.
 typedef struct {

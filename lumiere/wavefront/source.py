@@ -4,29 +4,17 @@ from __future__ import annotations
 
 from lumiere.accel import PACKET_LAYOUTS
 from lumiere.compile.features import FIRST_HIT_AOVS, ID_AOVS, Features
-from lumiere.compile.materials import NO_TEXTURE, bsdf_lanes_source, bsdf_source, bsdf_struct
+from lumiere.compile.materials import NO_TEXTURE, bsdf_source
 from lumiere.compile.scene import TRANSLUCENT, TWO_SIDED, VISIBLE_TO_CAMERA, VISIBLE_TO_SHADOW, SceneBuffers
 from lumiere.device.program import ProgramSource
-from lumiere.device.source import assemble, c_struct, in_lanes, template
+from lumiere.device.source import assemble, c_struct, template
 from lumiere.filter import TABLE_SIZE
+from lumiere.wavefront import lanes
 from lumiere.wavefront.batch import BATCH
 from lumiere.wavefront.policy import Policy
 from lumiere.wavefront.state import path_source
 
 NON_FINITE_KEPT = 64
-
-LANES = 16
-"""Slots that a work-item of a stage in lanes works on."""
-
-SAMPLERS_IN_LANES = ("independent", "sobol")
-"""Samplers without branches, whose numbers are drawn for sixteen paths at once where the device has wide vectors."""
-
-BSDFS_IN_LANES, CAMERAS_IN_LANES, LIGHTS_IN_LANES = ("lambert",), ("perspective",), ("environment",)
-"""Kinds that have a form for sixteen paths at once: a BSDF's or camera's file is written for lanes, a light has a file NAME_lanes.cl beside."""
-
-LANES_FILES = ("lib/vector.cl", "lib/ray.cl", "lib/circle.cl", "lib/warp.cl", "lib/frame.cl", "lib/offset.cl", "lib/surface.cl", "lib/light_sample.cl",
-               "lib/mis.cl", "shape/triangle_point.cl", "bsdf/contract.cl")
-"""What shading in lanes takes from files that are written for it, in the order in which they build on each other."""
 
 CHUNK = 32
 """Work-items that find their places among each other before their chunks do."""
@@ -48,25 +36,6 @@ def counter_count(features: Features) -> int:
     return len(queue_names(features)) + len(COUNTERS)
 
 
-def _in_lanes(features: Features, policy: Policy) -> bool:
-    """Are slots worked on by sixteen, in vectors?"""
-    return not policy.compacted and features.sampler in SAMPLERS_IN_LANES and policy.work_group % LANES == 0
-
-
-def _generated_in_lanes(features: Features, policy: Policy) -> bool:
-    """Is there, for the camera and all that the scene's paths begin with, a form for sixteen paths?"""
-    return (_in_lanes(features, policy) and features.camera in CAMERAS_IN_LANES
-            and not (features.ray_cones or features.nested or features.subsurface or features.camera_partial))
-
-
-def _shaded_in_lanes(features: Features, policy: Policy, kind: str) -> bool:
-    """Is there, for a kind and all that the scene asks of its shading, a form for sixteen paths?"""
-    other = (features.vertex_normals or features.normal_map or features.bump_map or features.ray_cones or features.nested or features.subsurface
-             or features.mixes or features.textured_emission or any(name in FIRST_HIT_AOVS for name in features.aovs))
-    return (_in_lanes(features, policy) and kind in BSDFS_IN_LANES and not features.bsdfs[kind] and not features.bsdf_features[kind]
-            and list(features.shapes) == ["triangle"] and not other)
-
-
 def _defines(features: Features, policy: Policy) -> str:
     queues = queue_names(features)
     flags = {
@@ -83,7 +52,7 @@ def _defines(features: Features, policy: Policy) -> str:
         "VERTEX_NORMALS": features.vertex_normals,
         "VERTEX_UVS": features.vertex_uvs, "VERTEX_COLORS": features.vertex_colors, "SURFACE_UV": features.surface_uv,
         "SURFACE_TANGENT": features.surface_tangent, "SURFACE_COLOR": features.surface_color,
-        "VERTEX_LANES": _in_lanes(features, policy), "RAY_PACKETS": features.ray_packets,
+        "VERTEX_LANES": lanes.used(features, policy), "RAY_PACKETS": features.ray_packets,
         "INFINITE_LIGHTS": bool(features.infinite_lights), "SAMPLER_STRATA": features.sampler == "stratified",
         "QUEUES_COMPACTED": policy.compacted, "GROUPS_LEAVE": policy.groups_leave, "CPU": not policy.groups_leave,
         f"LIGHT_SAMPLING_{features.light_sampling.upper()}": True,
@@ -109,7 +78,7 @@ def _defines(features: Features, policy: Policy) -> str:
         # large BSDFs overwrite each other's results (runtime 2026.22.10; docs/devices.md).
         "UNVECTORIZED": "" if policy.groups_leave else "__attribute__((vec_type_hint(float8)))",
         "WORK_GROUP_SIZE": f"{policy.work_group}u", "WORK_GROUP": f"__attribute__((reqd_work_group_size({policy.work_group}, 1, 1)))",
-        "LANES_GROUP": f"__attribute__((reqd_work_group_size({max(1, policy.work_group // LANES)}, 1, 1)))",
+        "LANES_GROUP": f"__attribute__((reqd_work_group_size({max(1, policy.work_group // lanes.LANES)}, 1, 1)))",
     }
     lines = [f"#define {name}" for name, present in flags.items() if present]
     return "\n".join(lines + [f"#define {name} {value}" for name, value in values.items()]) + "\n"
@@ -177,15 +146,10 @@ def generated_sources(buffers: SceneBuffers, policy: Policy) -> dict[str, str]:
     lights = "".join(f'#include "light/{kind}.cl"\n' for kind in features.lights)
     lights += '#include "light/shape.cl"\n' if features.emitters else ""
     lights += _for_each("LIGHT", features.lights) + _for_each("INFINITE_LIGHT", features.infinite_lights)
-    in_lanes_too, alone = [[kind for kind in features.lights if (kind in LIGHTS_IN_LANES) == lanes] for lanes in (True, False)]
-    light_lanes = "".join(f'#include "light/{kind}_lanes.cl"\n' for kind in [*in_lanes_too, *(["shape"] if features.emitters else [])])
-    light_lanes += _for_each("LIGHT_IN_LANES", in_lanes_too) + _for_each("LIGHT_ALONE", alone) + "#define LIGHTS_ONE_BY_ONE\n" * bool(alone)
     return {
         "lib/path.cl": path_source(features, lanes=not policy.compacted),
-        "scene/lanes.cl": in_lanes("lib/vector.cl", "lib/ray.cl"),
         "scene/shapes.cl": _shapes(features),
         "scene/lights.cl": lights,
-        "scene/lights_lanes.cl": light_lanes,
         "scene/emission.cl": '#include "lib/textures.cl"\n' if features.textured_emission else "",
         "scene/opacity.cl": '#include "lib/textures.cl"\n' if features.textured_opacity else "",
         "scene/interiors.cl": '#include "lib/interiors.cl"\n' if features.nested else "",
@@ -196,9 +160,10 @@ def generated_sources(buffers: SceneBuffers, policy: Policy) -> dict[str, str]:
         + _for_each("TEXTURE", features.textures, numbered=True),
         "scene/cone.cl": '#include "lib/cone.cl"\n' if features.ray_cones else "",
         "scene/camera.cl": f'#include "camera/{features.camera}.cl"\n',
-        "scene/sampler_lanes.cl": in_lanes("lib/sequence.cl", "lib/hash.cl", f"sampler/{features.sampler}.cl"),
+        "scene/queue.cl": f'#include "lib/queue_{"compacted" if policy.compacted else "dense"}.cl"\n',
+        "scene/vertex_random.cl": f'#include "lib/vertex_random{"_lanes" if lanes.used(features, policy) else ""}.cl"\n',
         "scene/sampler.cl": f'#include "sampler/{features.sampler}.cl"\n',
-    }
+    } | lanes.common(features)
 
 
 def prelude(buffers: SceneBuffers, policy: Policy, *, counting: bool = False) -> str:
@@ -214,9 +179,10 @@ def program_sources(buffers: SceneBuffers, policy: Policy, *, counting: bool = F
     features = buffers.features
     above, tracing = prelude(buffers, policy), prelude(buffers, policy, counting=counting)
     generated = generated_sources(buffers, policy)
-    camera = {"scene/lanes.cl": in_lanes("lib/vector.cl", "lib/film.cl", f"camera/{features.camera}.cl")}
-    first = ("stages/generate_lanes.cl", generated | camera) if _generated_in_lanes(features, policy) else ("stages/generate.cl", generated)
-    sources = [ProgramSource("generate", assemble(first[0], above, first[1])),
+    first = ("stages/generate.cl", {})
+    if lanes.generates(features, policy):
+        first = ("stages/generate_lanes.cl", lanes.generating(features))
+    sources = [ProgramSource("generate", assemble(first[0], above, generated | first[1])),
                ProgramSource("extend", assemble("stages/extend.cl", tracing, generated))]
     if features.infinite_lights:
         sources.append(ProgramSource("escape", assemble("stages/escape.cl", above, generated)))
@@ -227,11 +193,8 @@ def program_sources(buffers: SceneBuffers, policy: Policy, *, counting: bool = F
         own = f"#define QUEUE_SHADE QUEUE_SHADE_{number}\n"
         own += "#define NEXT_EVENT_ESTIMATION\n" if features.next_event_estimation and not specular else ""
         parameters = buffers.bsdf_parameters[kind]
-        if _shaded_in_lanes(features, policy, kind):
-            stage = "stages/shade_lanes.cl"
-            shading = {"scene/bsdf_lanes.cl": bsdf_lanes_source(kind, parameters),
-                       "scene/lanes.cl": '#include "lib/math.cl"\n#include "lib/lanes.cl"\n'
-                       + in_lanes(*LANES_FILES, f"bsdf/{kind}.cl", above=bsdf_struct(kind, parameters))}
+        if lanes.shades(features, policy, kind):
+            stage, shading = "stages/shade_lanes.cl", lanes.shading(kind, parameters)
         else:
             stage, shading = "stages/shade.cl", {"scene/bsdf.cl": bsdf_source(kind, parameters, textured, features.bsdf_features[kind])}
         sources.append(ProgramSource(f"shade[{kind}]", assemble(stage, above + own, generated | shading)))

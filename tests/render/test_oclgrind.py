@@ -11,10 +11,11 @@ from tests.oclgrind import output_without_reports
 
 @pytest.mark.parametrize(("queues", "check", "options"), [
     ("dense", "--data-races", ()),
+    ("dense", "--data-races", ("in-lanes",)),
     ("compacted", "--data-races", ()),
     # Oclgrind 21.10's check itself crashes on the triangle test's vectors.
     ("compacted", "--uninitialized", ("without-triangles",)),
-], ids=["dense, races", "compacted, races", "uninitialised"])
+], ids=["dense, races", "in lanes, races", "compacted, races", "uninitialised"])
 def test_nothing_to_report(tmp_path: Path, queues: str, check: str, options: tuple[str, ...]) -> None:
     printed = output_without_reports(tmp_path, check, "tests.render.under_oclgrind", str(tmp_path), queues, *options)
     mean = float(printed.partition("rendered: mean ")[2].partition(",")[0])
