@@ -11,6 +11,8 @@ import pytest
 from lumiere.compile.scene import compile_scene
 from lumiere.scene.load import load
 from lumiere.wavefront.batch import Batch, pixel_order
+from lumiere.wavefront.lanes import CAMERAS
+from lumiere.wavefront.policy import is_gpu
 from tests.render.probe import Probe
 from tests.render.scenes import POINT_FILTER, Json
 from tests.statistics import chi_square
@@ -20,8 +22,9 @@ Array = np.ndarray
 WIDTH, HEIGHT = 12, 8
 EYE, TARGET, UP = np.array([1.0, 2.0, 3.0]), np.array([0.0, 1.5, -1.0]), np.array([0.1, 1.0, 0.0])
 
+ALONE = "start_path(&scene, &path, &samples, item, item);"
+IN_LANES = "start_paths(&scene, &path, &samples, item, 1u, &item);"
 START = """
-    start_path(&scene, &path, &samples, item, item);
     vstore3(path_get_origin(&path, item), 3u * item, out_floats);
     vstore3(path_get_direction(&path, item), 3u * item + 1u, out_floats);
     vstore3(path_get_throughput(&path, item), 3u * item + 2u, out_floats);
@@ -35,6 +38,12 @@ def axes() -> Array:
     return np.stack([right, np.cross(back, right), back])
 
 
+def starting(device: cl.Device, scene: Json) -> Probe:
+    """Starts a path an item, in the form that the device gets for the scene's camera."""
+    lanes = not is_gpu(device) and scene["scene"]["camera"].get("type", "perspective") in CAMERAS
+    return Probe(device, scene, "generate", (IN_LANES if lanes else ALONE) + START)
+
+
 def start(device: cl.Device, camera: Json, spp: int = 1, crop: list[int] | None = None, filter: Json = POINT_FILTER) -> tuple[Array, Array, Array]:
     """Origins, directions and weights, each (height, width, spp, 3), of the rays of a picture or its crop, in the camera's own axes."""
     film = {"width": WIDTH, "height": HEIGHT, "filter": filter} | ({"crop": crop} if crop else {})
@@ -42,7 +51,7 @@ def start(device: cl.Device, camera: Json, spp: int = 1, crop: list[int] | None 
     scene = {"camera": placed, "film": film, "sampler": {"type": "independent", "spp": spp}, "geometry": [{"type": "plane"}]}
     width, height = (crop[2] - crop[0], crop[3] - crop[1]) if crop else (WIDTH, HEIGHT)
     count = width * height * spp
-    out, _ = Probe(device, {"scene": scene}, "generate", START)(count, out_floats=9, batch=Batch(0, width * height, spp, 0))
+    out, _ = starting(device, {"scene": scene})(count, out_floats=9, batch=Batch(0, width * height, spp, 0))
     rays = np.zeros((width * height, spp, 3, 3))
     rays[pixel_order(width, height)] = out.astype(np.float64).reshape(width * height, spp, 3, 3)
     rays = rays.reshape(height, width, spp, 3, 3)
@@ -166,7 +175,7 @@ def test_transform_places_the_camera(device: cl.Device) -> None:
     camera = {"type": "perspective", "fov": 40, "fov_axis": "y", "transform": [{"matrix": list(matrix.ravel())}]}
     film = {"width": WIDTH, "height": HEIGHT, "filter": POINT_FILTER}
     scene = {"camera": camera, "film": film, "sampler": {"type": "independent", "spp": 1}, "geometry": [{"type": "plane"}]}
-    out, _ = Probe(device, {"scene": scene}, "generate", START)(WIDTH * HEIGHT, out_floats=9)
+    out, _ = starting(device, {"scene": scene})(WIDTH * HEIGHT, out_floats=9)
     rays = np.zeros((WIDTH * HEIGHT, 9))
     rays[pixel_order(WIDTH, HEIGHT)] = out
     assert np.abs(rays[:, :3] - EYE).max() < SLACK

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -44,12 +45,13 @@ class Probe:
     """A kernel over a scene (a dict, as ``lumiere.load`` takes it), in which ``body`` runs once for each item.
 
     ``body`` sees ``scene``, ``item``, ``in_floats`` and ``in_uints``, and writes ``out_floats`` and ``out_uints``. It may call whatever the
-    program of ``stage`` holds: its own file's functions and all that it includes.
+    program of ``stage`` holds: its own file's functions and all that it includes; ``alone``: of the form for one path, though there is one for sixteen.
     """
 
-    def __init__(self, device: cl.Device, scene: dict[str, Any], stage: str, body: str, *, functions: str = "") -> None:
+    def __init__(self, device: cl.Device, scene: dict[str, Any], stage: str, body: str, *, functions: str = "", alone: bool = False) -> None:
         self.buffers: SceneBuffers = compile_scene(load(scene))
-        sources = program_sources(self.buffers, policy_for(device, 64, 256, 64))
+        policy = policy_for(device, 64, 256, 64)
+        sources = program_sources(self.buffers, replace(policy, compacted=policy.compacted or alone))
         text = next(source.text for source in sources if source.name.startswith(stage))
         self.context, self.queue, self.kernel = _build(device, f"{text}\n{functions}\n{KERNEL}{body}\n}}\n")
 

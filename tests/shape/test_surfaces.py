@@ -210,7 +210,7 @@ def test_triangles(device: cl.Device, size: float, distance: float) -> None:
     generator = np.random.default_rng(5)
     center, tilt = unit(generator, 2) * np.array([[distance], [1.0]])
     vertices, faces = sheet(size, center, tilt)
-    probe = Probe(device, {"scene": {"geometry": [{"type": "mesh", "vertices": vertices, "faces": faces}]}}, "shade", BODY)
+    probe = Probe(device, {"scene": {"geometry": [{"type": "mesh", "vertices": vertices, "faces": faces}]}}, "shade", BODY, alone=True)
     triangles = probe.buffers.arrays["triangle_vertices"][1].reshape(-1, 3, 3).astype(np.float64)
     chosen = triangles[generator.integers(0, len(triangles), RAYS)]
     targets = np.einsum("ij,ijk->ik", generator.dirichlet((1.0, 1.0, 1.0), RAYS), chosen)
