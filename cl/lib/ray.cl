@@ -1,5 +1,7 @@
 // Rays, and what they meet. For one path or sixteen (lib/lanes.cl).
 
+#include "lib/vector.cl"
+
 typedef struct {
     float3 o;       // origin
     float3 d;       // direction; t counts its lengths
@@ -13,12 +15,10 @@ typedef struct {
     uint primitive; // over all shapes of the scene; not set where t is still the ray's t_max
 } hit_t;
 
-// No other ray meets anything: an origin or direction that is not finite, or no direction at all, would visit every node. By bits without the sign,
-// among which infinity is 0xff000000: isfinite, all and any are calls on some runtimes, across which no vector stays in a register.
+// No other ray meets anything: an origin or direction that is not finite, or no direction at all, would visit every node.
 static inline bool ray_is_valid(const ray_t *ray)
 {
-    const uint ox = as_uint(ray->o.x) << 1, oy = as_uint(ray->o.y) << 1, oz = as_uint(ray->o.z) << 1;
-    const uint dx = as_uint(ray->d.x) << 1, dy = as_uint(ray->d.y) << 1, dz = as_uint(ray->d.z) << 1;
-    return ox < 0xff000000u && oy < 0xff000000u && oz < 0xff000000u && dx < 0xff000000u && dy < 0xff000000u && dz < 0xff000000u
-           && (dx | dy | dz) != 0u;
+    const float3 o = ray->o, d = ray->d;
+    return is_finite(o.x) && is_finite(o.y) && is_finite(o.z) && is_finite(d.x) && is_finite(d.y) && is_finite(d.z)
+           && (d.x != 0.0f || d.y != 0.0f || d.z != 0.0f);
 }

@@ -64,6 +64,12 @@ static inline float3 absolute3(float3 v)
     return float3_of(absolute(v.x), absolute(v.y), absolute(v.z));
 }
 
+// By bits without the sign, among which infinity is 0xff000000: isfinite is a call on some runtimes, across which no vector stays in a register.
+static inline bool is_finite(float x)
+{
+    return (as_uint(x) << 1) < 0xff000000u;
+}
+
 static inline float larger(float a, float b)
 {
     return a > b ? a : b;

@@ -35,14 +35,15 @@ kernel WORK_GROUP void accumulate(global const float *samples, uint sample_strid
         global float *sum_at = out + (size_t)(2u * channel) * film_stride, *error_at = sum_at + film_stride;
         float sum = *sum_at, error = *error_at;
         float m2 = channel < 3u ? out[(size_t)(2u * CHANNEL_COUNT + channel) * film_stride] : 0.0f;
+        float mean = first_sample > 0u ? sum / (float)first_sample : 0.0f;
         for (uint i = 0u; i < count; ++i) {
             uint sample = first + i;
             uint index = first_sample + i;
             float x = samples[(size_t)channel * sample_stride + sample];
-            if (!isfinite(x)) {
+            if (!is_finite(x)) {
                 bool counted = false;  // a sample counts once, whichever of its channels are not finite
                 for (uint before = 0u; before < channel; ++before)
-                    counted = counted || !isfinite(samples[(size_t)before * sample_stride + sample]);
+                    counted = counted || !is_finite(samples[(size_t)before * sample_stride + sample]);
                 uint known = counted ? NON_FINITE_KEPT : atomic_inc(non_finite);
                 if (known < NON_FINITE_KEPT) {
                     non_finite[1u + 2u * known] = ordinal;
@@ -54,12 +55,13 @@ kernel WORK_GROUP void accumulate(global const float *samples, uint sample_strid
                 sum = index == 0u ? x : sum;
                 continue;
             }
-            float mean = index > 0u ? sum / (float)index : 0.0f;
             float y = x - error;
             float total = sum + y;
             error = (total - sum) - y;
             sum = total;
-            m2 += (x - mean) * (x - sum / (float)(index + 1u));
+            float mean_after = sum / (float)(index + 1u);
+            m2 += (x - mean) * (x - mean_after);
+            mean = mean_after;
         }
         *sum_at = sum;
         *error_at = error;
