@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pyopencl as cl
 import pytest
 
 from lumiere.compile.scene import compile_scene
+from lumiere.device.source import assemble, in_lanes
 from lumiere.overrides import Overrides
+from lumiere.paths import cl_root
 from lumiere.rendering import Render
 from lumiere.scene.load import load
+from lumiere.wavefront import lanes
 from lumiere.wavefront.policy import is_gpu, policy_for
 from lumiere.wavefront.source import program_sources
+from tests.contexts import context_of
 from tests.render.scenes import Json, index_of, render
 
 WALL: Json = {"type": "rectangle", "transform": [{"translate": [0, 0, -1]}], "material": "green"}
@@ -56,15 +62,15 @@ SCENES = {
 def test_as_path_by_path(device: cl.Device, name: str) -> None:
     if is_gpu(device):
         pytest.skip("lanes are for CPUs")
-    in_lanes = render(device, SCENES[name])
+    sixteen = render(device, SCENES[name])
     alone = Render(load({"scene": SCENES[name]}), index_of(device), overrides=Overrides(compacted=True))
     alone.run()
     one_by_one = alone.image({})
-    same = np.isclose(in_lanes.pixels, one_by_one.pixels, rtol=1e-3, atol=1e-5).all(axis=-1)
+    same = np.isclose(sixteen.pixels, one_by_one.pixels, rtol=1e-3, atol=1e-5).all(axis=-1)
     assert same.mean() > 0.99, f"{np.count_nonzero(~same)} of {same.size} pixels differ"  # else a rounding has sent a path another way
-    assert in_lanes.pixels.mean() == pytest.approx(one_by_one.pixels.mean(), rel=2e-3)
-    assert in_lanes.pixels.mean() > 0.01
-    nearest, nearest_one_by_one = (image.record["rays"]["nearest"] for image in (in_lanes, one_by_one))
+    assert sixteen.pixels.mean() == pytest.approx(one_by_one.pixels.mean(), rel=2e-3)
+    assert sixteen.pixels.mean() > 0.01
+    nearest, nearest_one_by_one = (image.record["rays"]["nearest"] for image in (sixteen, one_by_one))
     assert nearest == pytest.approx(nearest_one_by_one, rel=2e-3)
 
 
@@ -79,3 +85,80 @@ def test_these_scenes_are_shaded_in_lanes(device: cl.Device, name: str) -> None:
         texts = {source.name: source.text for source in program_sources(buffers, policy)}
         for stage in ("generate", "shade"):
             assert (f"// {stage}, for sixteen" in texts["generate" if stage == "generate" else "shade[lambert]"]) is not compacted
+
+
+WRITTEN_FOR_LANES = {*lanes.SHADING, "lib/film.cl", "lib/sequence.cl", "lib/hash.cl", *(f"sampler/{kind}.cl" for kind in lanes.SAMPLERS),
+                     *(f"bsdf/{kind}.cl" for kind in lanes.BSDFS), *(f"camera/{kind}.cl" for kind in lanes.CAMERAS)}
+
+
+def test_files_written_for_lanes_say_so_and_do_not_branch() -> None:
+    says = {str(path.relative_to(cl_root())) for path in cl_root().rglob("*.cl")
+            if re.search(r"[Ff]or one path or sixteen \(lib/lanes\.cl\)", path.read_text(encoding="utf-8"))}
+    assert says == WRITTEN_FOR_LANES
+    for name in says:
+        code = re.sub(r"//.*", "", (cl_root() / name).read_text(encoding="utf-8"))
+        assert not re.search(r"\b(if|for|while|switch) \(|\((float|int|uint)[23]?\)\(", code), name
+
+
+FORMULAS = {
+    "square_to_disk": ("float2", "square_to_disk(float2_of(a, b))"),
+    "square_to_cosine_hemisphere": ("float3", "square_to_cosine_hemisphere(float2_of(a, b))"),
+    "square_to_hemisphere": ("float3", "square_to_hemisphere(float2_of(a, b))"),
+    "square_to_sphere": ("float3", "square_to_sphere(float2_of(a, b))"),
+    "square_to_triangle": ("float3", "square_to_triangle(float2_of(a, b))"),
+    "offset_origin": ("float3", "offset_origin(float3_of(a, b, c), float3_of(a, a, b), unit3(float3_of(c - 0.5f, b + 0.1f, a)), float3_of(b - 0.5f, c, a))"),
+    "frame_about": ("float3", "turned(unit3(float3_of(a - 0.5f, b - 0.5f, c - 0.5f)), float3_of(b, c, a))"),
+    "unit_float": ("float2", "float2_of(unit_float(as_uint(a)), is_finite(a) && !is_finite(b / 0.0f) ? 1.0f : 0.0f)"),
+}
+
+TURNED = """
+static inline float3 turned(float3 n, float3 v)
+{
+    const frame_t frame = frame_about(n);
+    return add3(frame_to_local(&frame, v), frame_to_world(&frame, v));
+}
+"""
+
+
+@pytest.mark.parametrize("name", FORMULAS)
+def test_formulas_are_the_same_for_one_path_and_for_sixteen(device: cl.Device, name: str, tmp_path: Path) -> None:
+    if is_gpu(device):
+        pytest.skip("lanes are for CPUs")
+    kind, call = FORMULAS[name]
+    components = "xyz"[:int(kind[-1])]
+    one = f"static inline {kind} formula(float a, float b, float c)\n{{\n    return {call};\n}}\n"
+    files = ("lib/vector.cl", "lib/circle.cl", "lib/warp.cl", "lib/frame.cl", "lib/offset.cl")
+    # What stands above the files is written for lanes too; here it has to stand below, so it is a file of its own.
+    (tmp_path / "formula.cl").write_text(TURNED + one, encoding="utf-8")
+    wide = in_lanes(*files, str(tmp_path / "formula.cl"))
+    text = assemble("probe.cl", "", {"probe.cl": '#include "lib/lanes.cl"\n' + "".join(f'#include "{file}"\n' for file in files) + TURNED + one + wide + f"""
+kernel void probe(global const float16 *in, global float *out)
+{{
+    const size_t i = get_global_id(0);
+    const each_float_t a = {{in[3 * i]}}, b = {{in[3 * i + 1]}}, c = {{in[3 * i + 2]}};
+    const {kind}_lanes all = formula_lanes(a.all, b.all, c.all);
+    const each_float_t values[] = {{{', '.join(f'{{all.{x}}}' for x in components)}}};
+    for (uint lane = 0u; lane < LANES; lane++) {{
+        const {kind} alone = formula(a.lane[lane], b.lane[lane], c.lane[lane]);
+        const float of[] = {{{', '.join(f'alone.{x}' for x in components)}}};
+        for (uint k = 0u; k < {len(components)}u; k++) {{
+            out[2u * ({len(components)}u * (LANES * i + lane) + k)] = of[k];
+            out[2u * ({len(components)}u * (LANES * i + lane) + k) + 1u] = values[k].lane[lane];
+        }}
+    }}
+}}
+"""})
+    context = context_of(device)
+    queue = cl.CommandQueue(context)
+    numbers = np.random.default_rng(5).random((64, 3, 16)).astype(np.float32)
+    numbers[0, :, :4] = [[0.0, 0.5, 1.0, 0.5], [0.0, 0.5, 0.0, 0.25], [0.5, 1.0, 0.5, 0.5]]
+    given = cl.Buffer(context, cl.mem_flags.COPY_HOST_PTR, hostbuf=numbers)
+    results = np.zeros((64 * 16, len(components), 2), np.float32)
+    taken = cl.Buffer(context, cl.mem_flags.WRITE_ONLY, results.nbytes)
+    kernel = cl.Kernel(cl.Program(context, text).build(), "probe")
+    kernel.set_args(given, taken)
+    cl.enqueue_nd_range_kernel(queue, kernel, (64,), (4,))
+    cl.enqueue_copy(queue, results, taken)
+    queue.finish()
+    assert np.all(np.isfinite(results[..., 0])) and np.ptp(results[..., 0]) > 0.1
+    np.testing.assert_allclose(results[..., 1], results[..., 0], rtol=2e-6, atol=1e-6)
