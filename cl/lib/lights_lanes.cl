@@ -74,7 +74,7 @@ static inline light_sample_t_lanes light_sample_lanes(const scene_t *scene, int1
             s = select_light_samples(chosen, &these, &s); \
         } \
     }
-#ifdef EMITTERS
+#ifdef EMITTERS_IN_LANES
     SAMPLE_IN_LANES(0u, scene->render->emitter_count, emitter_sample_lanes)
 #endif
 #define SAMPLE_LIGHT_LANES(NAME) SAMPLE_IN_LANES(scene->render->NAME##_light_first, scene->render->NAME##_light_count, NAME##_sample_lanes)
@@ -86,6 +86,10 @@ static inline light_sample_t_lanes light_sample_lanes(const scene_t *scene, int1
     for (uint lane = 0u; lane < LANES; lane++) {
         if (!waiting.lane[lane])
             continue;
+#if defined(EMITTERS) && !defined(EMITTERS_IN_LANES)
+        if (index.lane[lane] < scene->render->emitter_count)
+            put_light_sample(&each, lane, emitter_sample(scene, index.lane[lane], lane_of(&reference, lane), (uint2)(rest_x.lane[lane], rest_y.lane[lane])));
+#endif
 #define SAMPLE_LIGHT_ALONE(NAME) \
         if (index.lane[lane] - scene->render->NAME##_light_first < scene->render->NAME##_light_count) \
             put_light_sample(&each, lane, NAME##_sample(scene, index.lane[lane] - scene->render->NAME##_light_first, lane_of(&reference, lane), \

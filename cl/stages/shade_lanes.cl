@@ -10,9 +10,9 @@
 #include "lib/queue.cl"
 #include "lib/vertex_random_lanes.cl"
 #include "scene/bsdf_lanes.cl"
-#include "shape/triangle_lanes.cl"
+#include "scene/surfaces_met.cl"
 
-// Where the paths stand, lane by lane; in lanes of slots that want something else, on the first triangle.
+// Where the paths stand, lane by lane; in lanes of slots that want something else, on the first primitive.
 typedef struct {
     each_uint_t primitive;
     each_int_t two_sided;
@@ -32,7 +32,7 @@ static inline met_t what_was_met(const scene_t *scene, const path_t *path, int16
 {
     const each_int_t wanted = {waiting};
     met_t met;
-    met.primitive.all = waiting ? path_get_primitive_lanes(path, first) : scene->render->triangle_first;
+    met.primitive.all = waiting ? path_get_primitive_lanes(path, first) : 0u;
     ONE_BY_ONE
     for (uint lane = 0u; lane < LANES; lane++) {
         global const object_t *object = scene->objects + scene->primitive_objects[met.primitive.lane[lane]];
@@ -146,11 +146,9 @@ kernel LANES_GROUP UNVECTORIZED void shade(STAGE_PARAMETERS)
     vertex_numbers_draw(&scene, &path, first, &numbers);
 
     const met_t met = what_was_met(&scene, &path, waiting, first);
-    const float3_lanes hit = path_get_hit_lanes(&path, first), direction = path_get_direction_lanes(&path, first);
-    const each_uint_t triangle = {met.primitive.all - scene.render->triangle_first};
+    const float3_lanes direction = path_get_direction_lanes(&path, first);
     vertices_t v;
-    float16 area;
-    v.surface = triangle_at_lanes(&scene, &triangle, float3_of_lanes(1.0f - hit.y - hit.z, hit.y, hit.z), &area);
+    v.surface = surfaces_met(&scene, &path, first, waiting, &met.primitive);
     v.depth = path_get_depth_lanes(&path, first);
     v.throughput = path_get_throughput_lanes(&path, first);
 #ifdef EMISSION

@@ -33,7 +33,7 @@ def shades(features: Features, policy: Policy, kind: str) -> bool:
     other = (features.vertex_normals or features.normal_map or features.bump_map or features.ray_cones or features.nested or features.subsurface
              or features.mixes or features.textured_emission or any(name in FIRST_HIT_AOVS for name in features.aovs))
     return (used(features, policy) and kind in BSDFS and not features.bsdfs[kind] and not features.bsdf_features[kind]
-            and list(features.shapes) == ["triangle"] and not other)
+            and not other)
 
 
 def _lanes(*paths: str, above: str = "") -> str:
@@ -41,13 +41,19 @@ def _lanes(*paths: str, above: str = "") -> str:
 
 
 def common(features: Features) -> dict[str, str]:
-    """Of every stage: random numbers, lights and rays."""
+    """Of every stage: random numbers, lights, rays and what they met."""
     wide, alone = ([kind for kind in features.lights if (kind in LIGHTS) == lanes] for lanes in (True, False))
-    lights = [f'#include "light/{kind}_lanes.cl"' for kind in [*wide, *(["shape"] if features.emitters else [])]]
+    triangles = list(features.shapes) == ["triangle"]
+    lights = [f'#include "light/{kind}_lanes.cl"' for kind in wide]
+    if features.emitters and triangles:
+        lights += ['#include "light/shape_lanes.cl"', "#define EMITTERS_IN_LANES"]
+    if alone or (features.emitters and not triangles):
+        lights.append("#define LIGHTS_ONE_BY_ONE")
     lights += ["#define FOR_EACH_LIGHT_IN_LANES(X) " + " ".join(f"X({kind})" for kind in wide),
-               "#define FOR_EACH_LIGHT_ALONE(X) " + " ".join(f"X({kind})" for kind in alone), *(["#define LIGHTS_ONE_BY_ONE"] if alone else [])]
+               "#define FOR_EACH_LIGHT_ALONE(X) " + " ".join(f"X({kind})" for kind in alone)]
     sampler = in_lanes("lib/sequence.cl", "lib/hash.cl", f"sampler/{features.sampler}.cl")
     return {"scene/lanes.cl": _lanes("lib/vector.cl", "lib/ray.cl"), "scene/lights_lanes.cl": "\n".join(lights) + "\n",
+            "scene/surfaces_met.cl": f'#include "{"shape/triangles" if triangles else "lib/surfaces"}_met.cl"\n',
             "scene/sampler_lanes.cl": '#include "lib/dimensions.cl"\n#include "lib/lanes.cl"\n' + sampler}
 
 

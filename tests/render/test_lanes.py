@@ -53,6 +53,11 @@ SCENES = {
     "filter": scene([FLOOR, WALL, LAMP, BOX], [], film={"width": 37, "height": 29, "filter": {"type": "gaussian"}}),
     "other numbers": scene([FLOOR, WALL, LAMP, BOX], [], sampler={"type": "independent", "spp": 16}),
     "adaptive": scene([FLOOR, WALL, LAMP, BOX], [], sampler={"spp": 16, "adaptive": {"target_error": 1e-6, "max_spp": 16}}),
+    "every shape": scene([FLOOR, WALL, LAMP, {"type": "sphere", "position": [0.4, -0.6, 0], "radius": 0.3},
+                          {"type": "plane", "position": [0, 1.5, 0], "normal": [0, -1, 0]},
+                          {"type": "sphere", "transform": [{"scale": [0.2, 0.3, 0.1]}, {"translate": [-0.5, -0.4, 0.3]}]},
+                          {"type": "disk", "position": [-0.9, 0, 0], "normal": [1, 0, 0], "radius": 0.4, "emission": 2},
+                          {"type": "sphere", "position": [-0.2, 0.3, 0.3], "radius": 0.1, "emission": [5, 4, 3]}], [LIGHTS[0], ENVIRONMENT]),
     "tiny": scene([g | {"transform": [*g["transform"], {"scale": 1e-9}]} for g in (FLOOR, WALL, LAMP, BOX)], [ENVIRONMENT],
                   camera={"position": [0, 0, 3.4e-9], "look_at": [0, 0, 0], "fov": 40}),
 }
