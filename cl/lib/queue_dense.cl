@@ -18,11 +18,6 @@ static inline bool queue_holds_connect(const queues_t *queues, uint slot)
     return slot < queues->capacity && queues->connects[slot] != 0u;
 }
 
-static inline int16 queue_holds_connect_lanes(const queues_t *queues, uint first)
-{
-    return load_uint_lanes(queues->connects + first) != 0u;
-}
-
 static inline uint queue_take(const queues_t *queues, uint queue)
 {
     uint slot = (uint)get_global_id(0);
