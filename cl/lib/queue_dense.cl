@@ -42,7 +42,7 @@ static inline void queue_push_with_connect(const queues_t *queues, uint queue, b
         queues->connects[slot] = 1u;
 }
 
-// Pushes to `queues` those of the sixteen slots that are `taken`.
+// Pushes to `queue` those of the sixteen slots that are `taken`.
 static inline void queue_push_lanes(const queues_t *queues, int16 taken, uint16 queue, uint first)
 {
     store_uint_lanes(queues->tags + first, taken, queue);
