@@ -52,7 +52,7 @@ def test_all_is_well(device: Any, tmp_path: Path) -> None:
 @pytest.mark.parametrize(("name", "file", "right", "wrong"), [
     ("furnace of lambert", "bsdf/lambert.cl", "s.pdf > 0.0f ? 1.0f", "s.pdf > 0.0f ? 0.98f"),
     ("furnace of mirror", "stages/escape.cl", "* radiance);", "* (radiance / 0.0f));"),
-    ("χ² of diffuse directions", "lib/warp.cl", "d = square_to_disk(u)", "d = 0.97f * square_to_disk(u)"),
+    ("χ² of diffuse directions", "lib/warp.cl", "float2_of(r * (wide ? p.x : p.y), r *", "float2_of(0.97f * r * (wide ? p.x : p.y), 0.97f * r *"),
     ("watertightness", "shape/triangle_test.cl", "any(edges < 0.0f) && any(edges > 0.0f)", "any(edges <= 0.0f) && any(edges >= 0.0f)"),
     ("trees", "accel/build/boxes.cl", "high < c ? c : high", "high"),
     ("picture 'glass'", "lib/fresnel.cl", "return 0.5f * (s * s + p * p)", "return 0.25f * (s * s + p * p)"),

@@ -70,7 +70,8 @@ def test_plain_scene_compiles_nothing_else() -> None:
     seen = {name: parts_of(text) for name, text in sources.items()}
     kinds = set().union(*seen.values())
     needed = {"bsdf/contract", "bsdf/lambert", "light/shape", "camera/perspective", "sampler/sobol", "shape/triangle"}
-    assert needed <= kinds <= needed | {"shape/triangle_test", "shape/triangle_block", "shape/triangle_point", "shape/triangle_lanes", "light/shape_lanes"}
+    assert needed <= kinds <= needed | {"shape/triangle_test", "shape/triangle_block", "shape/triangle_point", "shape/triangle_lanes", "shape/triangles_met",
+                                        "light/shape_lanes"}
     assert not any(part.startswith("bsdf/") for name in ("generate", "extend", "connect", "accumulate") for part in seen[name])
     assert not any(part.startswith(("shape/", "light/")) for name in ("generate", "accumulate") for part in seen[name])
 

@@ -103,7 +103,7 @@ def check(rays: Leaving, height: Array, origin_height: Array, normal: Array, siz
 def test_spheres(device: cl.Device, radius: float, distance: float) -> None:
     generator = np.random.default_rng(1)
     center = unit(generator, 1)[0] * distance
-    probe = Probe(device, {"scene": {"geometry": [{"type": "sphere", "position": list(center), "radius": radius}]}}, "shade", BODY)
+    probe = Probe(device, {"scene": {"geometry": [{"type": "sphere", "position": list(center), "radius": radius}]}}, "shade", BODY, alone=True)
     record = probe.buffers.arrays["spheres"][1][0]
     c, r = record["center"].astype(np.float64), float(record["radius"])
     away = 10.0 ** generator.uniform(0.01, 3.0, (RAYS, 1))
@@ -132,7 +132,7 @@ def test_ellipsoids(device: cl.Device, size: float, distance: float) -> None:
     generator = np.random.default_rng(6)
     center = unit(generator, 1)[0] * distance
     steps = [{"scale": [2.0 * size, 0.2 * size, size]}, {"rotate": {"axis": [1, 2, 3], "angle": 70}}, {"translate": list(center)}]
-    probe = Probe(device, {"scene": {"geometry": [{"type": "sphere", "transform": steps}]}}, "shade", BODY)
+    probe = Probe(device, {"scene": {"geometry": [{"type": "sphere", "transform": steps}]}}, "shade", BODY, alone=True)
     record = probe.buffers.arrays["ellipsoids"][1][0]
     c, to_world = record["center"].astype(np.float64), record["to_world"].astype(np.float64)
     away = 10.0 ** generator.uniform(0.01, 2.0, (RAYS, 1))
@@ -156,7 +156,7 @@ def test_ellipsoids(device: cl.Device, size: float, distance: float) -> None:
 def test_planes(device: cl.Device, distance: float) -> None:
     generator = np.random.default_rng(2)
     point, normal = unit(generator, 2) * np.array([[distance], [1.0]])
-    probe = Probe(device, {"scene": {"geometry": [{"type": "plane", "position": list(point), "normal": list(normal)}]}}, "shade", BODY)
+    probe = Probe(device, {"scene": {"geometry": [{"type": "plane", "position": list(point), "normal": list(normal)}]}}, "shade", BODY, alone=True)
     record = probe.buffers.arrays["planes"][1][0]
     p0, n = record["point"].astype(np.float64), record["normal"].astype(np.float64)
     n /= np.linalg.norm(n)
@@ -176,7 +176,7 @@ def test_disks(device: cl.Device, shape: str, distance: float) -> None:
     center, normal = unit(generator, 2) * np.array([[distance], [1.0]])
     stretch = [{"scale": [40.0, 0.3, 1.0]}] if shape == "ellipse" else []
     steps = [*stretch, {"rotate": {"axis": list(normal), "angle": 53}}, {"translate": list(center)}]
-    probe = Probe(device, {"scene": {"geometry": [{"type": "disk", "radius": 1.5, "transform": steps}]}}, "shade", BODY)
+    probe = Probe(device, {"scene": {"geometry": [{"type": "disk", "radius": 1.5, "transform": steps}]}}, "shade", BODY, alone=True)
     record = probe.buffers.arrays["disks"][1][0]
     c, u, v = (record[name].astype(np.float64) for name in ("center", "axis_u", "axis_v"))
     n = np.cross(u, v) / np.linalg.norm(np.cross(u, v))
@@ -242,7 +242,8 @@ def test_origin_on_the_surface_is_not_met(device: cl.Device, shape: dict[str, ob
     So it is about the origin, where a point is known as well as its place on the shape.
     """
     generator = np.random.default_rng(7)
-    probe = Probe(device, {"scene": {"geometry": [shape]}}, "shade", BODY.replace("offset_origin(surface.p, surface.error, surface.ng, w)", "surface.p"))
+    probe = Probe(device, {"scene": {"geometry": [shape]}}, "shade",
+                  BODY.replace("offset_origin(surface.p, surface.error, surface.ng, w)", "surface.p"), alone=True)
     targets = 0.6 * unit(generator, RAYS)
     if shape["type"] != "sphere":
         n = np.array([0.3, 1.0, -0.2]) / np.linalg.norm([0.3, 1.0, -0.2])
