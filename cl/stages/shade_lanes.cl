@@ -22,9 +22,9 @@ typedef struct {
 
 typedef struct {
     surface_t_lanes surface;
-    frame_t_lanes frame;
-    float3_lanes wo;   // local, towards where the path came from
-    uint16 depth;      // scattering events before this one
+    frame_t_lanes frame;  // of the true surface: there are no vertex normals, so its sides are those of the frame
+    float3_lanes wo;      // local, towards where the path came from
+    uint16 depth;         // scattering events before this one
     float3_lanes throughput;
 } vertices_t;
 
@@ -64,12 +64,6 @@ static inline void add_emissions(const scene_t *scene, const path_t *path, const
 }
 #endif
 
-// Light may only pass to the side of the true surface that the shading frame says (Veach 1997, §5.3).
-static inline int16 sides_agree(const vertices_t *v, float3_lanes wi_world, float3_lanes wi)
-{
-    return dot3_lanes(wi_world, v->surface.ng) * wi.z > 0.0f;
-}
-
 static inline float3_lanes ray_origins(const vertices_t *v, float3_lanes w)
 {
     return offset_origin_lanes(v->surface.p, v->surface.error, v->surface.ng, w);
@@ -88,7 +82,7 @@ static inline int16 sample_lights(const scene_t *scene, const path_t *path, uint
     const float16 weight = sampled_light_weight_lanes(&light, bsdf_pdf) / light.pdf;
     const float3_lanes f = BSDF(eval_lanes)(bsdf, v->wo, wi);
     const float3_lanes contribution = scale3_lanes(multiply3_lanes(multiply3_lanes(v->throughput, f), light.radiance), weight);
-    const int16 connects = waiting & (light.pdf > 0.0f) & sides_agree(v, to_light, wi) & ~is_black_lanes(contribution);
+    const int16 connects = waiting & (light.pdf > 0.0f) & ~is_black_lanes(contribution);
     const float3_lanes origin = ray_origins(v, to_light);
     path_set_shadow_origin_lanes(path, first, connects, origin);
     path_set_shadow_direction_lanes(path, first, connects, select_lanes(light.infinite, to_light, subtract3_lanes(light.target, origin)));
@@ -110,7 +104,7 @@ static inline int16 sample_bsdfs(const scene_t *scene, const path_t *path, uint 
     const bsdf_sample_t_lanes s = BSDF(sample_lanes)(bsdf, v->wo, u);
     float3_lanes throughput = multiply3_lanes(v->throughput, s.weight);
     const float3_lanes direction = frame_to_world_lanes(&v->frame, s.wi);
-    int16 goes_on = waiting & ~is_black_lanes(throughput) & sides_agree(v, direction, s.wi);
+    int16 goes_on = waiting & ~is_black_lanes(throughput);
     float16 scale = 1.0f;
 #ifdef PATH_ETA_SCALE
     // Roulette looks at the energy, without the 1/η² by which an interface scales radiance (PBR 4ed, §14.3.2).
