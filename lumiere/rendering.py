@@ -23,8 +23,9 @@ from lumiere.goal.uniform import Outcome, render_uniform
 from lumiere.overrides import Overrides
 from lumiere.scene.model import Scene
 from lumiere.wavefront.batch import Batch, passes, pixel_order
+from lumiere.wavefront.lanes import LANES
 from lumiere.wavefront.loop import Wavefront
-from lumiere.wavefront.policy import is_gpu, policy_for
+from lumiere.wavefront.policy import group_size, is_gpu, policy_for
 from lumiere.wavefront.state import words_per_path
 
 MOST_SAMPLES = 1 << 20
@@ -52,7 +53,8 @@ class Render:
         context = cl.Context([self.device])
         properties = cl.command_queue_properties.PROFILING_ENABLE if profiling else 0
         queue = cl.CommandQueue(context, self.device, properties)
-        packets = not is_gpu(self.device) and not overrides.compacted and overrides.accelerator is choose_accelerator
+        whole_lanes = not is_gpu(self.device) and group_size(self.device) % LANES == 0
+        packets = whole_lanes and not overrides.compacted and overrides.accelerator is choose_accelerator
         chooser = on_device(overrides.accelerator, context, queue, overrides.build_on_device)
         buffers = compile_scene(scene, wide=not is_gpu(self.device), packets=packets, choose_accelerator=chooser)
         buffers.features = replace(buffers.features, traced=overrides.traced)

@@ -24,14 +24,9 @@ static inline uint flat16_triangles(global const float *plane)
     return plane[17] > 0.0f ? 2u : 1u;
 }
 
-static inline float16 flat16_abs(float16 x)
-{
-    return as_float16(as_int16(x) & 0x7fffffff);
-}
-
 static inline flat16_directions_t flat16_directions(const packet_t *packet)
 {
-    float16 x = flat16_abs(packet->dx.all), y = flat16_abs(packet->dy.all), z = flat16_abs(packet->dz.all);
+    float16 x = absolute_lanes(packet->dx.all), y = absolute_lanes(packet->dy.all), z = absolute_lanes(packet->dz.all);
     float16 largest = x > y ? x : y;
     largest = largest > z ? largest : z;
     int16 exponent = (as_int16(largest) >> 23) & 255;  // biased by 127; that of the scale is 253 less it, short of what no float has
@@ -53,11 +48,11 @@ static inline int16 flat16_test(const packet_t *packet, const flat16_directions_
     float16 u = rx * plane[6] + ry * plane[7] + rz * plane[8], v = -(rx * plane[3] + ry * plane[4] + rz * plane[5]);
     float16 determinant = d->dx * plane[9] + d->dy * plane[10] + d->dz * plane[11];
     float16 above = cx * plane[9] + cy * plane[10] + cz * plane[11];
-    cx = flat16_abs(cx);
-    cy = flat16_abs(cy);
-    cz = flat16_abs(cz);
+    cx = absolute_lanes(cx);
+    cy = absolute_lanes(cy);
+    cz = absolute_lanes(cz);
     int16 sign = as_int16(determinant) & (int)0x80000000;
-    test->size = flat16_abs(determinant);
+    test->size = absolute_lanes(determinant);
     test->u = as_float16(as_int16(u) ^ sign);
     test->v = as_float16(as_int16(v) ^ sign);
     test->height = as_float16(as_int16(above) ^ sign);

@@ -1,6 +1,6 @@
 // Sixteen slots at once, a lane of each vector a path: for CPUs, whose compilers leave kernels with a float3 scalar (docs/performance.md).
 //
-// Files whose first line says «for one path or sixteen» are written by components and without branches. The host includes them a second time for
+// Files whose first lines say «for one path or sixteen» are written by components and without branches. The host includes them a second time for
 // sixteen, with types of sixteen and names that end in _lanes (lumiere/device/source.py). A truth is then an int of every lane: −1 or 0.
 
 #define LANES 16u

@@ -1,5 +1,5 @@
 // generate, for sixteen paths at once: the same steps as in stages/generate.cl, in vectors. Takes its place on CPUs, for kinds of cameras
-// that are written for lanes (lumiere/wavefront/source.py).
+// that are written for lanes (lumiere/wavefront/lanes.py).
 //
 // From: the idle slots. To: extend.
 // Also forgets the shadow rays of the last round's stages, and counts them.

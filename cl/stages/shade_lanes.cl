@@ -1,5 +1,5 @@
 // shade, for sixteen neighbouring slots at once: the same steps as in stages/shade.cl, in vectors. Takes its place on CPUs, for kinds of BSDF that are
-// written for lanes, in scenes that have nothing that is not (lumiere/wavefront/source.py).
+// written for lanes, in scenes that have nothing that is not (lumiere/wavefront/lanes.py).
 //
 // From: extend. To: connect (a shadow ray), extend (the path goes on); else the slot is idle.
 

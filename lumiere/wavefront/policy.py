@@ -28,10 +28,15 @@ def is_gpu(device: Any) -> bool:
     return bool(device.type & (cl.device_type.GPU | cl.device_type.ACCELERATOR))
 
 
+def group_size(device: Any) -> int:
+    """Slots that a work-group works on."""
+    return min(256 if is_gpu(device) else 64, device.max_work_group_size)
+
+
 def policy_for(device: Any, samples: int, bytes_per_path: int, bytes_per_sample: int) -> Policy:
     """The policy for ``device`` (a pyopencl.Device) to render ``samples`` samples: no more slots than samples, no more memory than a quarter."""
     gpu = is_gpu(device)
-    work_group = min(256 if gpu else 64, device.max_work_group_size)
+    work_group = group_size(device)
     memory = min(device.global_mem_size // 4, device.max_mem_alloc_size)
     slots = min(1 << 26 if gpu else 1 << 15, memory // 2 // max(1, bytes_per_path), max(1, samples))
     batch = min(1 << 26 if gpu else 1 << 22, memory // max(1, bytes_per_sample), max(1, samples))

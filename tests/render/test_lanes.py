@@ -10,13 +10,15 @@ import numpy as np
 import pyopencl as cl
 import pytest
 
+from lumiere import rendering
+from lumiere.accel import PACKET_LAYOUTS
 from lumiere.compile.scene import compile_scene
 from lumiere.device.source import assemble, in_lanes
 from lumiere.overrides import Overrides
 from lumiere.paths import cl_root
 from lumiere.rendering import Render
 from lumiere.scene.load import load
-from lumiere.wavefront import lanes
+from lumiere.wavefront import lanes, policy
 from lumiere.wavefront.policy import is_gpu, policy_for
 from lumiere.wavefront.source import program_sources
 from tests.contexts import context_of
@@ -86,10 +88,24 @@ def test_these_scenes_are_shaded_in_lanes(device: cl.Device, name: str) -> None:
         pytest.skip("lanes are for CPUs")
     buffers = compile_scene(load({"scene": SCENES[name]}), wide=True)
     for compacted in (False, True):
-        policy = replace(policy_for(device, 1000, 100, 12), compacted=compacted)
-        texts = {source.name: source.text for source in program_sources(buffers, policy)}
+        wanted = replace(policy_for(device, 1000, 100, 12), compacted=compacted)
+        texts = {source.name: source.text for source in program_sources(buffers, wanted)}
         for stage in ("generate", "shade"):
             assert (f"// {stage}, for sixteen" in texts["generate" if stage == "generate" else "shade[lambert]"]) is not compacted
+
+
+def test_groups_of_fewer_slots_take_the_form_for_one_path(device: cl.Device, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a device that has no groups of sixteen."""
+    if is_gpu(device):
+        pytest.skip("lanes are for CPUs")
+    usual = render(device, SCENES["lamps"])
+    for module in (policy, rendering):
+        monkeypatch.setattr(module, "group_size", lambda device: 8)
+    small = render(device, SCENES["lamps"])
+    layouts = [image.record["features"]["shapes"]["triangle"] for image in (usual, small)]
+    assert layouts[0] in PACKET_LAYOUTS and layouts[1] not in PACKET_LAYOUTS  # packets would begin beyond the last slot
+    assert np.isclose(small.pixels, usual.pixels, rtol=1e-3, atol=1e-5).all(axis=-1).mean() > 0.99
+    assert small.record["rays"]["nearest"] == pytest.approx(usual.record["rays"]["nearest"], rel=2e-3)
 
 
 WRITTEN_FOR_LANES = {*lanes.SHADING, "lib/film.cl", "lib/sequence.cl", "lib/hash.cl", *(f"sampler/{kind}.cl" for kind in lanes.SAMPLERS),
