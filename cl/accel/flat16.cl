@@ -1,4 +1,5 @@
-// A plain list of triangles, each met by sixteen rays at once: a lane a ray, in place of eight triangles a ray as in accel/bvh8_block.cl.
+// A plain list of triangles, each met by sixteen rays at once, a lane a ray, in place of eight triangles a ray as in accel/bvh8_block.cl; or by eight
+// where that is what a register holds.
 // lumiere/accel/flat16.py says what is in the array.
 //
 // The test is Möller & Trumbore's (1997, "Fast, Minimum Storage Ray/Triangle Intersection") with the bound of its roundings: lanes so near to an
@@ -8,14 +9,19 @@
 #include "accel/packet.cl"
 #include "accel/template.cl"
 
+static inline float_part absolute_part(float_part x)
+{
+    return as_float_part(as_int_part(x) & 0x7fffffff);
+}
+
 // Directions whose largest coordinate lies between 1/2 and 1, by the powers of two in `scale`.
 typedef struct {
-    float16 dx, dy, dz, scale;
+    float_part dx, dy, dz, scale;
 } flat16_directions_t;
 
 typedef struct {
-    float16 u, v, height, size;  // of a hit: t is height / size, in lengths of the scaled direction; u and v are over size, too
-    int16 doubt;                 // lanes that SHAPE_intersect has to decide
+    float_part u, v, height, size;  // of a hit: t is height / size, in lengths of the scaled direction; u and v are over size, too
+    int_part doubt;                 // lanes that SHAPE_intersect has to decide
 } flat16_test_t;
 
 // Triangles that the row stands for: 2 for a parallelogram.
@@ -24,81 +30,81 @@ static inline uint flat16_triangles(global const float *plane)
     return plane[17] > 0.0f ? 2u : 1u;
 }
 
-static inline flat16_directions_t flat16_directions(const packet_t *packet)
+static inline flat16_directions_t flat16_directions(const packet_t *packet, uint part)
 {
-    float16 x = absolute_lanes(packet->dx.all), y = absolute_lanes(packet->dy.all), z = absolute_lanes(packet->dz.all);
-    float16 largest = x > y ? x : y;
+    float_part x = absolute_part(packet->dx.part[part]), y = absolute_part(packet->dy.part[part]), z = absolute_part(packet->dz.part[part]);
+    float_part largest = x > y ? x : y;
     largest = largest > z ? largest : z;
-    int16 exponent = (as_int16(largest) >> 23) & 255;  // biased by 127; that of the scale is 253 less it, short of what no float has
-    exponent = exponent < 252 ? 253 - exponent : (int16)(1);
+    int_part exponent = (as_int_part(largest) >> 23) & 255;  // biased by 127; that of the scale is 253 less it, short of what no float has
+    exponent = exponent < 252 ? 253 - exponent : (int_part)(1);
     flat16_directions_t d;
-    d.scale = as_float16(exponent << 23);
-    d.dx = packet->dx.all * d.scale;
-    d.dy = packet->dy.all * d.scale;
-    d.dz = packet->dz.all * d.scale;
+    d.scale = as_float_part(exponent << 23);
+    d.dx = packet->dx.part[part] * d.scale;
+    d.dy = packet->dy.part[part] * d.scale;
+    d.dz = packet->dz.part[part] * d.scale;
     return d;
 }
 
 // The lanes that may meet a triangle before height / size.
-static inline int16 flat16_test(const packet_t *packet, const flat16_directions_t *d, global const float *plane, float16 height, float16 size,
-                                flat16_test_t *test)
+static inline int_part flat16_test(const packet_t *packet, uint part, const flat16_directions_t *d, global const float *plane, float_part height,
+                                   float_part size, flat16_test_t *test)
 {
-    float16 cx = plane[0] - packet->ox.all, cy = plane[1] - packet->oy.all, cz = plane[2] - packet->oz.all;
-    float16 rx = cy * d->dz - cz * d->dy, ry = cz * d->dx - cx * d->dz, rz = cx * d->dy - cy * d->dx;
-    float16 u = rx * plane[6] + ry * plane[7] + rz * plane[8], v = -(rx * plane[3] + ry * plane[4] + rz * plane[5]);
-    float16 determinant = d->dx * plane[9] + d->dy * plane[10] + d->dz * plane[11];
-    float16 above = cx * plane[9] + cy * plane[10] + cz * plane[11];
-    cx = absolute_lanes(cx);
-    cy = absolute_lanes(cy);
-    cz = absolute_lanes(cz);
-    int16 sign = as_int16(determinant) & (int)0x80000000;
-    test->size = absolute_lanes(determinant);
-    test->u = as_float16(as_int16(u) ^ sign);
-    test->v = as_float16(as_int16(v) ^ sign);
-    test->height = as_float16(as_int16(above) ^ sign);
-    float16 w = test->size - (flat16_triangles(plane) == 2u ? (test->u > test->v ? test->u : test->v) : test->u + test->v);
-    float16 least = test->u < test->v ? test->u : test->v;
+    float_part cx = plane[0] - packet->ox.part[part], cy = plane[1] - packet->oy.part[part], cz = plane[2] - packet->oz.part[part];
+    float_part rx = cy * d->dz - cz * d->dy, ry = cz * d->dx - cx * d->dz, rz = cx * d->dy - cy * d->dx;
+    float_part u = rx * plane[6] + ry * plane[7] + rz * plane[8], v = -(rx * plane[3] + ry * plane[4] + rz * plane[5]);
+    float_part determinant = d->dx * plane[9] + d->dy * plane[10] + d->dz * plane[11];
+    float_part above = cx * plane[9] + cy * plane[10] + cz * plane[11];
+    cx = absolute_part(cx);
+    cy = absolute_part(cy);
+    cz = absolute_part(cz);
+    int_part sign = as_int_part(determinant) & (int)0x80000000;
+    test->size = absolute_part(determinant);
+    test->u = as_float_part(as_int_part(u) ^ sign);
+    test->v = as_float_part(as_int_part(v) ^ sign);
+    test->height = as_float_part(as_int_part(above) ^ sign);
+    float_part w = test->size - (flat16_triangles(plane) == 2u ? (test->u > test->v ? test->u : test->v) : test->u + test->v);
+    float_part least = test->u < test->v ? test->u : test->v;
     least = w < least ? w : least;
-    float16 bound = (cx + cy + cz) * plane[15] + plane[16];
+    float_part bound = (cx + cy + cz) * plane[15] + plane[16];
     // An origin whose height may be rounding lies in the plane (see triangle_intersect). The comparisons keep NaN.
-    float16 in_plane = cx * plane[12] + cy * plane[13] + cz * plane[14];
+    float_part in_plane = cx * plane[12] + cy * plane[13] + cz * plane[14];
     // Seen almost edge on, quotients are rounding, too.
     test->doubt = ~((least > bound) & (test->size > 256.0f * bound));
     return ~((least < -bound) | (test->height <= in_plane) | (test->height * size >= height * test->size));
 }
 
-static inline void SHAPE_FUNCTION(nearest_packet)(const scene_t *scene, packet_t *packet)
+static inline void SHAPE_FUNCTION(nearest_part)(const scene_t *scene, packet_t *packet, uint part)
 {
-    const flat16_directions_t d = flat16_directions(packet);
-    float16 height = packet->t.all / d.scale, size = (float16)(1.0f), u = (float16)(0.0f), v = (float16)(0.0f);
-    int16 index = (int16)(-1);
+    const flat16_directions_t d = flat16_directions(packet, part);
+    float_part height = packet->t.part[part] / d.scale, size = (float_part)(1.0f), u = (float_part)(0.0f), v = (float_part)(0.0f);
+    int_part index = (int_part)(-1);
     for (uint i = 0u, triangles; i < SHAPE_COUNT; i += triangles) {
         VISIT_PRIMITIVES(scene, packet->rays);
         flat16_test_t test;
         triangles = flat16_triangles(SHAPE_BUFFER(planes) + 20 * i);
-        int16 met = flat16_test(packet, &d, SHAPE_BUFFER(planes) + 20 * i, height, size, &test), sure = met & ~test.doubt;
+        int_part met = flat16_test(packet, part, &d, SHAPE_BUFFER(planes) + 20 * i, height, size, &test), sure = met & ~test.doubt;
         height = sure ? test.height : height;
         size = sure ? test.size : size;
-        index = sure ? (int16)((int)i) : index;
+        index = sure ? (int_part)((int)i) : index;
         if (triangles == 2u) {
             // Of the first triangle, a, b, c, or the second, a, c, d, where (u, v) are along b − a and d − a.
-            const int16 second = sure & (test.v > test.u);
-            index = second ? (int16)((int)i + 1) : index;
-            const float16 other = test.v - test.u;
+            const int_part second = sure & (test.v > test.u);
+            index = second ? (int_part)((int)i + 1) : index;
+            const float_part other = test.v - test.u;
             test.u = second ? test.u : -other;
             test.v = second ? other : test.v;
         }
         u = sure ? test.u : u;
         v = sure ? test.v : v;
-        if (!any_lane(met & test.doubt))
+        if (!any_in_part(met & test.doubt))
             continue;
         // Seldom, and by copies, so that what is above stays in registers.
         each_float_t t, lane_u, lane_v;
         each_int_t doubt, decided;
-        t.all = height / size * d.scale;
-        doubt.all = met & test.doubt;
-        decided.all = index;
-        for (uint lane = 0u; lane < LANES; lane++) {
+        t.part[part] = height / size * d.scale;
+        doubt.part[part] = met & test.doubt;
+        decided.part[part] = index;
+        for (uint lane = LANES_A_PART * part; lane < LANES_A_PART * (part + 1u); lane++) {
             if (!doubt.lane[lane])
                 continue;
             const ray_t ray = packet_ray(packet, lane);
@@ -115,35 +121,35 @@ static inline void SHAPE_FUNCTION(nearest_packet)(const scene_t *scene, packet_t
                 }
             }
         }
-        height = doubt.all ? t.all / d.scale : height;
-        size = doubt.all ? (float16)(1.0f) : size;
-        u = doubt.all ? lane_u.all : u;
-        v = doubt.all ? lane_v.all : v;
-        index = decided.all;
+        height = doubt.part[part] ? t.part[part] / d.scale : height;
+        size = doubt.part[part] ? (float_part)(1.0f) : size;
+        u = doubt.part[part] ? lane_u.part[part] : u;
+        v = doubt.part[part] ? lane_v.part[part] : v;
+        index = decided.part[part];
     }
-    packet->t.all = index >= 0 ? height / size * d.scale : packet->t.all;
-    packet->u.all = index >= 0 ? u / size : packet->u.all;
-    packet->v.all = index >= 0 ? v / size : packet->v.all;
-    packet->primitive.all = index >= 0 ? as_uint16(index) + SHAPE_FIRST : packet->primitive.all;
-    packet->met.all |= index >= 0;
+    packet->t.part[part] = index >= 0 ? height / size * d.scale : packet->t.part[part];
+    packet->u.part[part] = index >= 0 ? u / size : packet->u.part[part];
+    packet->v.part[part] = index >= 0 ? v / size : packet->v.part[part];
+    packet->primitive.part[part] = index >= 0 ? as_uint_part(index) + SHAPE_FIRST : packet->primitive.part[part];
+    packet->met.part[part] |= index >= 0;
 }
 
-static inline void SHAPE_FUNCTION(occluded_packet)(const scene_t *scene, packet_t *packet)
+static inline void SHAPE_FUNCTION(occluded_part)(const scene_t *scene, packet_t *packet, uint part)
 {
-    const flat16_directions_t d = flat16_directions(packet);
-    const float16 t = packet->t_max.all / d.scale;
-    int16 blocked = (int16)(0);
+    const flat16_directions_t d = flat16_directions(packet, part);
+    const float_part t = packet->t_max.part[part] / d.scale;
+    int_part blocked = (int_part)(0);
     for (uint i = 0u, triangles; i < SHAPE_COUNT; i += triangles) {
         VISIT_PRIMITIVES(scene, packet->rays);
         flat16_test_t test;
         triangles = flat16_triangles(SHAPE_BUFFER(planes) + 20 * i);
-        int16 met = flat16_test(packet, &d, SHAPE_BUFFER(planes) + 20 * i, t, (float16)(1.0f), &test) & ~blocked;
+        int_part met = flat16_test(packet, part, &d, SHAPE_BUFFER(planes) + 20 * i, t, (float_part)(1.0f), &test) & ~blocked;
         blocked |= met & ~test.doubt;
-        if (!any_lane(met & test.doubt))
+        if (!any_in_part(met & test.doubt))
             continue;
         each_int_t doubt;
-        doubt.all = met & test.doubt;
-        for (uint lane = 0u; lane < LANES; lane++) {
+        doubt.part[part] = met & test.doubt;
+        for (uint lane = LANES_A_PART * part; lane < LANES_A_PART * (part + 1u); lane++) {
             if (!doubt.lane[lane])
                 continue;
             const ray_t ray = packet_ray(packet, lane);
@@ -154,7 +160,19 @@ static inline void SHAPE_FUNCTION(occluded_packet)(const scene_t *scene, packet_
                 doubt.lane[lane] |= SHAPE_FUNCTION(intersect)(scene, k, &ray, &prepared, ray.t_max, &hit) ? -1 : 0;
             }
         }
-        blocked |= doubt.all;
+        blocked |= doubt.part[part];
     }
-    packet->met.all |= blocked;
+    packet->met.part[part] |= blocked;
+}
+
+static inline void SHAPE_FUNCTION(nearest_packet)(const scene_t *scene, packet_t *packet)
+{
+    for (uint part = 0u; part < PARTS; part++)
+        SHAPE_FUNCTION(nearest_part)(scene, packet, part);
+}
+
+static inline void SHAPE_FUNCTION(occluded_packet)(const scene_t *scene, packet_t *packet)
+{
+    for (uint part = 0u; part < PARTS; part++)
+        SHAPE_FUNCTION(occluded_part)(scene, packet, part);
 }

@@ -28,15 +28,18 @@ static inline uint discrete_find(global const uint *cdf, uint count, uint u)
     return low;
 }
 
-// What u leaves once it has drawn the entry `index`: (u − below) 2³² / width, a quotient of floats, and what that leaves. Dividing 64-bit integers is slow.
+// What u leaves once it has drawn the entry `index`: (u − below) 2³² / width, a quotient of floats, and what that leaves. Dividing 64-bit integers is slow,
+// and fmin and clamp are calls on PyPI's PoCL.
 static inline uint discrete_rest(global const uint *cdf, uint index, uint u)
 {
     uint below = discrete_below(cdf, index);
     ulong width = (ulong)(cdf[index] - below) + 1UL;
     float reciprocal = 1.0f / (float)width;
-    uint first = (uint)fmin((float)(u - below) * reciprocal * 0x1p32f, 0x1.fffffep31f);
+    float quotient = (float)(u - below) * reciprocal * 0x1p32f;
+    uint first = (uint)(quotient < 0x1.fffffep31f ? quotient : 0x1.fffffep31f);
     long left = (long)(((ulong)(u - below) << 32) - (ulong)first * width);
-    return (uint)clamp((long)first + (long)((float)left * reciprocal), 0L, 0xffffffffL);
+    long rest = (long)first + (long)((float)left * reciprocal);
+    return (uint)(rest < 0L ? 0L : rest > 0xffffffffL ? 0xffffffffL : rest);
 }
 
 static inline discrete_t discrete_sample(global const uint *cdf, uint count, uint u)
