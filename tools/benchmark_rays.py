@@ -91,6 +91,7 @@ class Tracer:
         generated = generated_sources(buffers, policy) | {"trace.cl": text} | (way.replaced or {})
         program = cl.Program(context, assemble("trace.cl", above, generated)).build()
         self.kernels = {how: cl.Kernel(program, f"trace_{how}_hits") for how in ("nearest", "any")}
+        self.items = self.kernels["any"].get_work_group_info(cl.kernel_work_group_info.COMPILE_WORK_GROUP_SIZE, device)[0]
         flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
         self.scene = [cl.Buffer(context, flags, hostbuf=array if array.nbytes else np.zeros(1, np.uint32)) for _, array in buffers.arrays.values()]
 
@@ -100,7 +101,7 @@ class Tracer:
 
         kernel = self.kernels[KINDS[rays.kind]]
         kernel.set_args(rays.buffer, np.uint32(rays.count), np.uint32(rays.stride), rays.distances, rays.primitives, *self.scene)
-        event = cl.enqueue_nd_range_kernel(self.queue, kernel, (-(-rays.count // self.group) * self.group,), (self.group,))
+        event = cl.enqueue_nd_range_kernel(self.queue, kernel, (-(-rays.count // self.group) * self.items,), (self.items,))
         event.wait()
         return 1e-9 * (event.profile.end - event.profile.start)
 

@@ -36,18 +36,21 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
             if (lanes) {
                 // The nearest stays at hand and the others are sorted on the stack; for any hit the order does not matter.
                 uint lane = bvh8_first_lane(lanes);
-                ulong next = SHAPE_FUNCTION(entry)(scene, children[lane], enter.lane[lane]);
+                // Its number by itself, too: the next step waits for it, and for nothing else.
+                current = children[lane];
+                ulong next = SHAPE_FUNCTION(entry)(scene, current, enter.lane[lane]);
                 while (lanes &= lanes - 1UL) {
                     lane = bvh8_first_lane(lanes);
                     ulong entry = SHAPE_FUNCTION(entry)(scene, children[lane], enter.lane[lane]);
-                    ulong later = any_hit || entry < next ? next : entry;
-                    next = any_hit || entry < next ? entry : next;
+                    bool closer = any_hit || entry < next;
+                    ulong later = closer ? next : entry;
+                    next = closer ? entry : next;
+                    current = closer ? (uint)entry : current;
                     uint at = size++;
                     for (; !any_hit && at > before && stack[at - 1u] < later; at--)
                         stack[at] = stack[at - 1u];
                     stack[at] = later;
                 }
-                current = (uint)next;
                 continue;
             }
         } else {
@@ -62,7 +65,7 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
                 uint index = SHAPE_PRIMITIVE((range & 0x0fffffffu) + lane);
                 hit_t candidate = {test.t.lane[lane], test.u.lane[lane], test.v.lane[lane], 0u};
                 if (test.doubt & lanes & (0UL - lanes)) {
-                    if (!SHAPE_FUNCTION(intersect)(scene, index, ray, &prepared, hit->t, &candidate))
+                    if (!bvh8_decide(scene, index, ray, hit->t, &candidate))
                         continue;
                 } else if (!(candidate.t < hit->t)) {
                     continue;

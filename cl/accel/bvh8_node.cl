@@ -12,6 +12,9 @@
 #if __has_builtin(__builtin_prefetch)
 #define BVH8_FETCH_LINE(words, line) __builtin_prefetch((const void *)(size_t)((words) + 16 * (line)), 0, 3)
 #endif
+#if __has_builtin(__builtin_ctzl)
+#define BVH8_COUNT_TRAILING_ZEROS
+#endif
 #endif
 #ifndef BVH8_FETCH_LINE
 #define BVH8_FETCH_LINE(words, line)
@@ -59,10 +62,15 @@ static inline ulong bvh8_lanes(int8 mask)
     return as_ulong(convert_char8(mask)) & 0x0101010101010101UL;
 }
 
-// Lane k times the constant has its byte 7 − k on top: k. clz would be a call on some runtimes, across which no vector stays in a register.
+// The next step waits for it. clz would be a call on some runtimes, across which no vector stays in a register.
 static inline uint bvh8_first_lane(ulong lanes)
 {
+#ifdef BVH8_COUNT_TRAILING_ZEROS
+    return (uint)__builtin_ctzl(lanes) >> 3;
+#else
+    // Lane k times the constant has its byte 7 − k on top: k.
     return (uint)((lanes & (0UL - lanes)) * 0x0001020304050607UL >> 56);
+#endif
 }
 
 // Which boxes the ray meets within t_max, and where it enters them. The comparisons drop the NaN of 0 × infinity.

@@ -117,8 +117,3 @@ static inline void queue_push_with_connect(const queues_t *queues, uint queue, b
     queue_store(queues, queue, queue == NO_QUEUE ? 0u : scratch[queue] + place.rank, slot);
     queue_store(queues, connect, scratch[QUEUE_CONNECT] + connect_place.rank, slot);
 }
-
-static inline uint queue_take_connect(const queues_t *queues)
-{
-    return queue_take(queues, QUEUE_CONNECT);
-}

@@ -52,9 +52,3 @@ static inline void queue_push_connect_lanes(const queues_t *queues, int16 connec
 {
     store_uint_lanes(queues->connects + first, connects, 1u);
 }
-
-static inline uint queue_take_connect(const queues_t *queues)
-{
-    uint slot = (uint)get_global_id(0);
-    return queue_holds_connect(queues, slot) ? slot : NO_SLOT;
-}

@@ -45,7 +45,7 @@ static inline ray_t_lanes shadow_rays(const path_t *path, const uint *slots, uin
 }
 
 // A work-item does the slots of a group: those that have a shadow ray, half of them perhaps, fill packets.
-kernel __attribute__((reqd_work_group_size(1, 1, 1))) UNVECTORIZED void connect(STAGE_PARAMETERS)
+kernel SLOT_BY_SLOT UNVECTORIZED void connect(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
     uint slots[WORK_GROUP_SIZE];
@@ -73,23 +73,47 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1))) UNVECTORIZED void connect(
 
 #else
 
+static inline void connect_path(scene_t *scene, const path_t *path, const samples_t *samples, uint slot)
+{
+    const ray_t ray = shadow_ray(path, slot);
+#ifdef VISIBILITY
+    scene->ray_mask = OBJECT_VISIBLE_TO_SHADOW;
+#endif
+#ifdef OPACITY
+    scene->ray_seed = ray_seed(path_get_seed(path, slot), path_get_index(path, slot), 2u * path_get_depth(path, slot) + 1u);
+#endif
+    if (!trace_occluded(scene, &ray))
+        add_contribution(scene, path, samples, slot);
+}
+
+#ifdef QUEUES_COMPACTED
+
 kernel WORK_GROUP UNVECTORIZED void connect(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
-    uint slot = queue_take_connect(&queues);
+    const uint slot = queue_take(&queues, QUEUE_CONNECT);
     if (slot == NO_SLOT)
         return;
-    const ray_t ray = shadow_ray(&path, slot);
-#ifdef VISIBILITY
-    scene.ray_mask = OBJECT_VISIBLE_TO_SHADOW;
-#endif
-#ifdef OPACITY
-    scene.ray_seed = ray_seed(path_get_seed(&path, slot), path_get_index(&path, slot), 2u * path_get_depth(&path, slot) + 1u);
-#endif
-    const bool occluded = trace_occluded(&scene, &ray);
+    connect_path(&scene, &path, &samples, slot);
     RECORD_VISITS(slot, 1u);
-    if (!occluded)
-        add_contribution(&scene, &path, &samples, slot);
 }
+
+#else
+
+// As extend.
+kernel SLOT_BY_SLOT UNVECTORIZED void connect(STAGE_PARAMETERS)
+{
+    STAGE_BEGIN
+    for (uint i = 0u; i < WORK_GROUP_SIZE; i++) {
+        const uint slot = (uint)get_global_id(0) * WORK_GROUP_SIZE + i;
+        if (!queue_holds_connect(&queues, slot))
+            continue;
+        connect_path(&scene, &path, &samples, slot);
+        RECORD_VISITS(slot, 1u);
+        FORGET_VISITS
+    }
+}
+
+#endif
 
 #endif

@@ -101,61 +101,84 @@ kernel LANES_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
 
 #else
 
-kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
+// Traces a path's ray; the queue that the path goes to.
+static inline uint extend_path(scene_t *scene, const path_t *path, uint slot, uint parity)
 {
-    STAGE_BEGIN
-#ifdef QUEUES_COMPACTED
-    uint queue = QUEUE_EXTEND_0 + parity;
-#else
-    uint queue = QUEUE_EXTEND_0;
-#endif
-    count_rays(counters, parity);
-    if (queue_is_over(&queues, queue))
-        return;
-    uint slot = queue_take(&queues, queue);
-    uint next = NO_QUEUE;
-    if (slot != NO_SLOT) {
-        ray_t ray;
-        ray.o = path_get_origin(&path, slot);
-        ray.d = path_get_direction(&path, slot);
-        ray.t_max = INFINITY;
-        hit_t hit;
+    ray_t ray;
+    ray.o = path_get_origin(path, slot);
+    ray.d = path_get_direction(path, slot);
+    ray.t_max = INFINITY;
 #ifdef SUBSURFACE
-        const flight_t flight = flight_of(&path, slot);
-        ray.t_max = flight_end(&scene, &path, slot, &flight);
+    const flight_t flight = flight_of(path, slot);
+    ray.t_max = flight_end(scene, path, slot, &flight);
 #endif
 #ifdef VISIBILITY
-        scene.ray_mask = path_get_depth(&path, slot) == 0u ? OBJECT_VISIBLE_TO_CAMERA : 0u;
+    scene->ray_mask = path_get_depth(path, slot) == 0u ? OBJECT_VISIBLE_TO_CAMERA : 0u;
 #endif
 #ifdef OPACITY
 #ifdef SUBSURFACE
-        uint seed = step_seed(&path, slot);
+    uint seed = step_seed(path, slot);
 #else
-        uint seed = path_get_seed(&path, slot);
+    uint seed = path_get_seed(path, slot);
 #endif
-        scene.ray_seed = ray_seed(seed, path_get_index(&path, slot), 2u * path_get_depth(&path, slot));
+    scene->ray_seed = ray_seed(seed, path_get_index(path, slot), 2u * path_get_depth(path, slot));
 #endif
-        if (is_unborn(&path, slot))
-            next = IDLE;
-        else if (trace_nearest(&scene, &ray, &hit)) {
-            path_set_hit(&path, slot, (float3)(hit.t, hit.u, hit.v));
-            path_set_primitive(&path, slot, hit.primitive);
-            next = shade_queue(&scene, &path, slot, &ray, &hit);
+    if (is_unborn(path, slot))
+        return IDLE;
+    hit_t hit;
+    if (trace_nearest(scene, &ray, &hit)) {
+        path_set_hit(path, slot, (float3)(hit.t, hit.u, hit.v));
+        path_set_primitive(path, slot, hit.primitive);
 #ifdef SUBSURFACE
-            flight_pass(&path, slot, &flight, hit.t);
-        } else if (flight.inside && !flight.straight) {
-            path_set_hit(&path, slot, (float3)(ray.t_max, 0.0f, 0.0f));
-            next = QUEUE_SCATTER;
+        flight_pass(path, slot, &flight, hit.t);
 #endif
-        } else {
+        return shade_queue(scene, path, slot, &ray, &hit);
+    }
 #ifdef SUBSURFACE
-            flight_pass(&path, slot, &flight, INFINITY);  // the body has no far side
+    if (flight.inside && !flight.straight) {
+        path_set_hit(path, slot, (float3)(ray.t_max, 0.0f, 0.0f));
+        return QUEUE_SCATTER;
+    }
+    flight_pass(path, slot, &flight, INFINITY);  // the body has no far side
 #endif
-            next = BEYOND;
-        }
+    return BEYOND;
+}
+
+#ifdef QUEUES_COMPACTED
+
+kernel WORK_GROUP UNVECTORIZED void extend(STAGE_PARAMETERS)
+{
+    STAGE_BEGIN
+    const uint queue = QUEUE_EXTEND_0 + parity;
+    count_rays(counters, parity);
+    if (queue_is_over(&queues, queue))
+        return;
+    const uint slot = queue_take(&queues, queue);
+    uint next = NO_QUEUE;
+    if (slot != NO_SLOT) {
+        next = extend_path(&scene, &path, slot, parity);
         RECORD_VISITS(slot, 0u);
     }
     queue_push(&queues, next, slot, scratch);
 }
+
+#else
+
+// A work-item does the slots of a group, so that they share one stack (docs/performance.md).
+kernel SLOT_BY_SLOT UNVECTORIZED void extend(STAGE_PARAMETERS)
+{
+    STAGE_BEGIN
+    count_rays(counters, parity);
+    for (uint i = 0u; i < WORK_GROUP_SIZE; i++) {
+        const uint slot = (uint)get_global_id(0) * WORK_GROUP_SIZE + i;
+        if (!queue_holds(&queues, QUEUE_EXTEND_0, slot))
+            continue;
+        queue_push(&queues, extend_path(&scene, &path, slot, parity), slot, scratch);
+        RECORD_VISITS(slot, 0u);
+        FORGET_VISITS
+    }
+}
+
+#endif
 
 #endif

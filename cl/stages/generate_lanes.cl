@@ -101,7 +101,7 @@ static inline void start_paths(const scene_t *scene, const path_t *path, const s
 }
 
 // A work-item does the slots of a group: a census, by which the idle ones get samples, and those that live and those that traced a shadow ray are counted.
-kernel __attribute__((reqd_work_group_size(1, 1, 1))) UNVECTORIZED void generate(STAGE_PARAMETERS)
+kernel SLOT_BY_SLOT UNVECTORIZED void generate(STAGE_PARAMETERS)
 {
     STAGE_BEGIN
     const uint begin = (uint)get_global_id(0) * WORK_GROUP_SIZE;

@@ -78,6 +78,7 @@ def _defines(features: Features, policy: Policy) -> str:
         # large BSDFs overwrite each other's results (runtime 2026.22.10; docs/devices.md).
         "UNVECTORIZED": "" if policy.groups_leave else "__attribute__((vec_type_hint(float8)))",
         "WORK_GROUP_SIZE": f"{policy.work_group}u", "WORK_GROUP": f"__attribute__((reqd_work_group_size({policy.work_group}, 1, 1)))",
+        "SLOT_BY_SLOT": "__attribute__((reqd_work_group_size(1, 1, 1)))",  # a work-item for the slots of a group
         "LANES_GROUP": f"__attribute__((reqd_work_group_size({max(1, policy.work_group // lanes.LANES)}, 1, 1)))",
     }
     lines = [f"#define {name}" for name, present in flags.items() if present]
