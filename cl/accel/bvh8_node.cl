@@ -31,6 +31,7 @@ static inline void bvh8_fetch(global const float *words)
 typedef struct {
     float3 o;
     float3 inverse_d;
+    float3 inverse_far;  // the same, with the margin that makes the test conservative (accel/slab.cl)
     uint3 near;  // which of a node's vectors holds each axis's near planes; the far ones are its neighbour
 } bvh8_ray_t;
 
@@ -39,6 +40,7 @@ static inline bvh8_ray_t bvh8_prepare(const ray_t *ray)
     bvh8_ray_t prepared;
     prepared.o = ray->o;
     prepared.inverse_d = 1.0f / ray->d;
+    prepared.inverse_far = prepared.inverse_d * SLAB_MARGIN;
     prepared.near.x = prepared.inverse_d.x < 0.0f ? 1u : 0u;
     prepared.near.y = prepared.inverse_d.y < 0.0f ? 3u : 2u;
     prepared.near.z = prepared.inverse_d.z < 0.0f ? 5u : 4u;
@@ -77,15 +79,16 @@ static inline uint bvh8_first_lane(ulong lanes)
 static inline ulong bvh8_enter(const bvh8_ray_t *ray, global const float *node, float t_max, bvh8_floats_t *enter)
 {
     global const float8 *planes = (global const float8 *)node;
-    float8 near = (planes[ray->near.x] - ray->o.x) * ray->inverse_d.x, far = (planes[ray->near.x ^ 1u] - ray->o.x) * ray->inverse_d.x;
-    float8 near_y = (planes[ray->near.y] - ray->o.y) * ray->inverse_d.y, far_y = (planes[ray->near.y ^ 1u] - ray->o.y) * ray->inverse_d.y;
-    float8 near_z = (planes[ray->near.z] - ray->o.z) * ray->inverse_d.z, far_z = (planes[ray->near.z ^ 1u] - ray->o.z) * ray->inverse_d.z;
+    float8 near = (planes[ray->near.x] - ray->o.x) * ray->inverse_d.x, far = (planes[ray->near.x ^ 1u] - ray->o.x) * ray->inverse_far.x;
+    float8 near_y = (planes[ray->near.y] - ray->o.y) * ray->inverse_d.y, far_y = (planes[ray->near.y ^ 1u] - ray->o.y) * ray->inverse_far.y;
+    float8 near_z = (planes[ray->near.z] - ray->o.z) * ray->inverse_d.z, far_z = (planes[ray->near.z ^ 1u] - ray->o.z) * ray->inverse_far.z;
     near = near > 0.0f ? near : (float8)(0.0f);
     near = near_y > near ? near_y : near;
     near = near_z > near ? near_z : near;
-    far = far < t_max ? far : (float8)(t_max);
+    const float last = t_max * SLAB_MARGIN;
+    far = far < last ? far : (float8)(last);
     far = far_y < far ? far_y : far;
     far = far_z < far ? far_z : far;
     enter->all = near;
-    return bvh8_lanes(near <= far * SLAB_MARGIN);
+    return bvh8_lanes(near <= far);
 }
