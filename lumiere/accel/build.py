@@ -9,7 +9,9 @@ import numpy as np
 MAX_DEPTH = 48
 """No leaf is deeper (the root's depth is 0), so a traversal that defers one child a level needs no larger stack."""
 
-BINS = 16
+BINS = 32
+"""Where clusters lie far apart, as those of the benchmark's million triangles do, 16 cost a fifth more; 64 as much as 32 (docs/performance.md)."""
+
 SMALL = 4
 NODES_AT_ONCE = 1 << 16
 
@@ -61,7 +63,7 @@ def build(lower: np.ndarray, upper: np.ndarray, max_leaf_size: int = 4, traversa
     ``lower``, ``upper``: (n, 3) float32, finite, ``lower <= upper``. A node of at most ``max_leaf_size`` primitives becomes a leaf where
     splitting it would not lower the cost, one step of traversal costing ``traversal_cost`` intersections, which are made ``block``
     primitives at a time: a part of a block costs as much as a whole one. Nodes are split at the best of
-    15 planes between 16 equal bins of the centroids, on each of the three axes (Wald 2007, "On fast construction of SAH-based bounding
+    31 planes between 32 equal bins of the centroids, on each of the three axes (Wald 2007, "On fast construction of SAH-based bounding
     volume hierarchies"), or of all planes between centroids where they are at most 4; in the middle of the sorted centroids where no
     plane parts them, or where only halving keeps the depth within ``MAX_DEPTH``. Raises ValueError where a box is not as said.
     """

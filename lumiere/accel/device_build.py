@@ -17,7 +17,7 @@ from lumiere.device.array import DeviceArray
 from lumiere.device.program import ProgramSource, build_all
 from lumiere.device.source import assemble, c_struct
 
-BINS = 16
+BINS = 32
 LOOK_EVERY = 2
 """Levels between two looks of the host at how many large nodes are left, from the first level on that may be without."""
 

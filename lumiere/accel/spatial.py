@@ -12,9 +12,12 @@ from itertools import pairwise
 import numpy as np
 
 from lumiere.accel import Accelerator, Choice, layouts
-from lumiere.accel.build import BINS, MAX_DEPTH, Topology, best_splits, blocks, half_area, ranges, sides, single_leaf
+from lumiere.accel.build import MAX_DEPTH, Topology, best_splits, blocks, half_area, ranges, sides, single_leaf
 from lumiere.shape import DeviceShape, outwards
 from lumiere.shape.triangle import Triangle
+
+BINS = 16
+"""Of a node's box, on each axis, for spatial splits; with 32 a build takes nearly twice as long and costs little less (docs/performance.md)."""
 
 LEAST_OVERLAP = 1e-4
 """Of the children of an object split, as a part of the root's area, for a spatial one to be tried (the paper's α; docs/performance.md)."""

@@ -3,7 +3,7 @@
 
 #include "accel/build/primitive.cl"
 
-#define BINS 16u
+#define BINS 32u
 #define NO_PLANE 0xffffffffu
 
 typedef struct {
