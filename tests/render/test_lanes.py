@@ -22,6 +22,7 @@ from lumiere.wavefront import lanes, policy
 from lumiere.wavefront.policy import is_gpu, policy_for
 from lumiere.wavefront.source import program_sources
 from tests.contexts import context_of
+from tests.render.probe import Probe
 from tests.render.scenes import Json, index_of, render
 
 WALL: Json = {"type": "rectangle", "transform": [{"translate": [0, 0, -1]}], "material": "green"}
@@ -92,6 +93,57 @@ def test_these_scenes_are_shaded_in_lanes(device: cl.Device, name: str) -> None:
         texts = {source.name: source.text for source in program_sources(buffers, wanted)}
         for stage in ("generate", "shade"):
             assert (f"// {stage}, for sixteen" in texts["generate" if stage == "generate" else "shade[lambert]"]) is not compacted
+
+
+SURFACES = """
+    if (item % LANES != 0u)
+        return;
+    each_uint_t primitive = {0u};
+    each_int_t found = {0};
+    for (uint lane = 0u; lane < LANES; lane++) {
+        ray_t ray;
+        ray.o = vload3(2u * (item + lane), in_floats);
+        ray.d = vload3(2u * (item + lane) + 1u, in_floats);
+        ray.t_max = INFINITY;
+        hit_t hit;
+        hit.t = hit.u = hit.v = 0.0f;
+        hit.primitive = 0u;
+        found.lane[lane] = trace_nearest(&scene, &ray, &hit) ? -1 : 0;
+        primitive.lane[lane] = hit.primitive;
+        path_set_origin(&path, item + lane, ray.o);
+        path_set_direction(&path, item + lane, ray.d);
+        path_set_hit(&path, item + lane, (float3)(hit.t, hit.u, hit.v));
+        const surface_t alone = surface_at(&scene, &ray, &hit);
+        vstore3(alone.p, 6u * (item + lane), out_floats);
+        vstore3(alone.error, 6u * (item + lane) + 1u, out_floats);
+        vstore3(alone.ng, 6u * (item + lane) + 2u, out_floats);
+        out_uints[2u * (item + lane)] = (uint)found.lane[lane];
+        out_uints[2u * (item + lane) + 1u] = hit.primitive;
+    }
+    const surface_t_lanes all = surfaces_met(&scene, &path, item, found.all, &primitive);
+    for (uint lane = 0u; lane < LANES; lane++) {
+        vstore3(lane_of(&all.p, lane), 6u * (item + lane) + 3u, out_floats);
+        vstore3(lane_of(&all.error, lane), 6u * (item + lane) + 4u, out_floats);
+        vstore3(lane_of(&all.ng, lane), 6u * (item + lane) + 5u, out_floats);
+    }
+"""
+
+
+@pytest.mark.parametrize("name", ["every shape", "lamps"])
+def test_surfaces_are_those_of_each_path(device: cl.Device, name: str) -> None:
+    """Their errors too, by which rays that leave them are offset and which no picture of this size shows."""
+    if is_gpu(device):
+        pytest.skip("lanes are for CPUs")
+    random = np.random.default_rng(11)
+    rays = np.concatenate([random.uniform(-0.8, 0.8, (1024, 3)), random.normal(size=(1024, 3))], axis=1)
+    rays[:, 3:] /= np.linalg.norm(rays[:, 3:], axis=1, keepdims=True)
+    probe = Probe(device, {"scene": SCENES[name]}, "shade[lambert]", SURFACES)
+    floats, uints = probe(1024, floats=rays, out_floats=18, out_uints=2)
+    met = uints[:, 0] != 0
+    assert 300 < met.sum() < 1024 and len(np.unique(uints[met, 1])) > 8
+    alone, together = floats[met, :9], floats[met, 9:]
+    assert np.all(alone[:, 3:6].max(axis=0) > 0.0)
+    np.testing.assert_allclose(together, alone, rtol=1e-5, atol=1e-7)
 
 
 def test_groups_of_fewer_slots_take_the_form_for_one_path(device: cl.Device, monkeypatch: pytest.MonkeyPatch) -> None:
