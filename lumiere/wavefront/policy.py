@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+SLOTS_A_CORE = 1 << 14
+"""Paths in flight for each core of a CPU: with fewer, cores wait for each other at the end of every launch."""
+
 
 @dataclass(frozen=True)
 class Policy:
@@ -30,7 +33,7 @@ def is_gpu(device: Any) -> bool:
 
 def group_size(device: Any) -> int:
     """Slots that a work-group works on."""
-    return min(256 if is_gpu(device) else 64, device.max_work_group_size)
+    return min(256, device.max_work_group_size)
 
 
 def policy_for(device: Any, samples: int, bytes_per_path: int, bytes_per_sample: int) -> Policy:
@@ -38,6 +41,7 @@ def policy_for(device: Any, samples: int, bytes_per_path: int, bytes_per_sample:
     gpu = is_gpu(device)
     work_group = group_size(device)
     memory = min(device.global_mem_size // 4, device.max_mem_alloc_size)
-    slots = min(1 << 26 if gpu else 1 << 15, memory // 2 // max(1, bytes_per_path), max(1, samples))
-    batch = min(1 << 26 if gpu else 1 << 22, memory // max(1, bytes_per_sample), max(1, samples))
-    return Policy(gpu, work_group, -(-slots // work_group) * work_group, batch, 2 if gpu else 8, groups_leave=gpu, fill=1 << 24 if gpu else 1 << 16)
+    most = 1 << 26 if gpu else min(device.max_compute_units * SLOTS_A_CORE, 1 << 20)
+    slots = min(most, memory // 2 // max(1, bytes_per_path), max(1, samples))
+    batch = min(1 << 26 if gpu else max(1 << 22, 64 * most), memory // max(1, bytes_per_sample), max(1, samples))
+    return Policy(gpu, work_group, -(-slots // work_group) * work_group, batch, 2 if gpu else 8, groups_leave=gpu, fill=1 << 24 if gpu else 2 * most)

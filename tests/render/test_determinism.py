@@ -63,7 +63,7 @@ def test_another_seed_is_another_picture(device: cl.Device, usual: Image) -> Non
     assert np.mean(other.pixels != usual.pixels) > 0.5
 
 
-@pytest.mark.parametrize("slots", [64, 192, 1024, 1 << 15])
+@pytest.mark.parametrize("slots", [256, 768, 1024, 1 << 15])
 def test_paths_in_flight(device: cl.Device, usual: Image, monkeypatch: pytest.MonkeyPatch, slots: int) -> None:
     group = policy_for(device, 1, 1, 1).work_group
     with_policy(monkeypatch, slots=-(-slots // group) * group)
