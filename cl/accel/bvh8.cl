@@ -15,6 +15,13 @@ static inline ulong SHAPE_FUNCTION(entry)(const scene_t *scene, uint child, floa
     return ((ulong)as_uint(enter) << 32) | child;
 }
 
+// The triangle `index`, where its lane is in doubt. Seldom called, and never inlined, so that what is done all the time keeps its registers.
+__attribute__((noinline)) static bool SHAPE_FUNCTION(decide)(const scene_t *scene, uint index, const ray_t *ray, float t_max, hit_t *hit)
+{
+    const SHAPE_FUNCTION(ray_t) prepared = SHAPE_FUNCTION(prepare)(ray);
+    return SHAPE_FUNCTION(intersect)(scene, index, ray, &prepared, t_max, hit);
+}
+
 // The nearest hit before hit->t, or with any_hit an arbitrary one.
 static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *ray, hit_t *hit, const bool any_hit)
 {
@@ -65,7 +72,7 @@ static inline bool SHAPE_FUNCTION(traverse)(const scene_t *scene, const ray_t *r
                 uint index = SHAPE_PRIMITIVE((range & 0x0fffffffu) + lane);
                 hit_t candidate = {test.t.lane[lane], test.u.lane[lane], test.v.lane[lane], 0u};
                 if (test.doubt & lanes & (0UL - lanes)) {
-                    if (!bvh8_decide(scene, index, ray, hit->t, &candidate))
+                    if (!SHAPE_FUNCTION(decide)(scene, index, ray, hit->t, &candidate))
                         continue;
                 } else if (!(candidate.t < hit->t)) {
                     continue;

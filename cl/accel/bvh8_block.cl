@@ -6,7 +6,7 @@
 typedef struct {
     bvh8_floats_t t, u, v;
     ulong met;    // lanes that the ray meets at 0 < t < t_max
-    ulong doubt;  // lanes to be decided by bvh8_decide: an edge function is 0, or products may have over- or underflowed
+    ulong doubt;  // lanes to be decided by triangle_intersect: an edge function is 0, or products may have over- or underflowed
 } bvh8_block_t;
 
 static inline float8 bvh8_abs(float8 x)
@@ -57,11 +57,4 @@ static inline void bvh8_block_test(const triangle_ray_t *ray, global const float
     result->t.all = t;
     result->u.all = edge_b / determinant;
     result->v.all = edge_c / determinant;
-}
-
-// The triangle `index`, where its lane is in doubt. Seldom called, and never inlined, so that what is done all the time keeps its registers.
-__attribute__((noinline)) static bool bvh8_decide(const scene_t *scene, uint index, const ray_t *ray, float t_max, hit_t *hit)
-{
-    const triangle_ray_t prepared = triangle_prepare(ray);
-    return triangle_intersect(scene, index, ray, &prepared, t_max, hit);
 }
