@@ -312,7 +312,7 @@ def measure(path: Path, device: Any, size: int, runs: int, every_layout: bool, f
 def node_fill(arrays: Mapping[str, tuple[str, np.ndarray]]) -> float | None:
     """The share of bvh8's child slots that hold one; None for other layouts."""
     nodes = arrays.get("triangle_nodes")
-    return float(np.isfinite(nodes[1][:, 0]).mean()) if nodes is not None and nodes[1].ndim == 3 else None
+    return float(np.isfinite(nodes[1][:, 0].view(np.float32)).mean()) if nodes is not None and nodes[1].ndim == 3 else None
 
 
 def table(told: dict[str, Any]) -> str:
