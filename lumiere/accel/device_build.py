@@ -12,12 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from lumiere.accel.build import MAX_DEPTH, Topology
+from lumiere.accel.build import BINS, MAX_DEPTH, Topology
 from lumiere.device.array import DeviceArray
 from lumiere.device.program import ProgramSource, build_all
 from lumiere.device.source import assemble, c_struct
 
-BINS = 32
 LOOK_EVERY = 2
 """Levels between two looks of the host at how many large nodes are left, from the first level on that may be without."""
 
@@ -113,7 +112,7 @@ class DeviceBuilder:
 
     def source(self, group: int, stack: int) -> ProgramSource:
         """The program, for work-groups of ``group`` and subtrees of less than 2 ** ``stack`` primitives."""
-        macros = {"GROUP": group, "SUBTREE_STACK": stack, "BLOCK": self.block, "MAX_LEAF_SIZE": self.max_leaf_size, "MAX_DEPTH": MAX_DEPTH}
+        macros = {"GROUP": group, "SUBTREE_STACK": stack, "BINS": BINS, "BLOCK": self.block, "MAX_LEAF_SIZE": self.max_leaf_size, "MAX_DEPTH": MAX_DEPTH}
         prelude = "".join(f"#define {name} {value}u\n" for name, value in macros.items())
         # Intel's compiler else vectorises across work-items, which takes subtrees in lockstep.
         prelude += f"#define KERNEL {'__attribute__((vec_type_hint(float8))) ' if group == 1 else ''}kernel\n"

@@ -3,7 +3,6 @@
 
 #include "accel/build/primitive.cl"
 
-#define BINS 32u
 #define NO_PLANE 0xffffffffu
 
 typedef struct {
