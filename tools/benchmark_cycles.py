@@ -88,7 +88,19 @@ def _sky(bpy: Any, scene: Any, radiance: list[float] | None) -> None:
     scene.world = world
     if bpy.app.version < (5, 0, 0):
         world.use_nodes = True  # always so, later
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (*(radiance or (0.0, 0.0, 0.0)), 1.0)
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    background = nodes["Background"]
+    background.inputs["Color"].default_value = (*(radiance or (0.0, 0.0, 0.0)), 1.0)
+    if radiance is None:
+        return
+    # Cycles samples no sky that it can tell to be the same everywhere. This one's strength is 1 where its coordinates' mean is above -2; of the
+    # ways to say such a thing, and of the sizes of its map of the sky, those that it is fastest with (docs/performance.md).
+    place, above = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeMath")
+    above.operation = "GREATER_THAN"
+    above.inputs[1].default_value = -2.0
+    links.new(place.outputs["Generated"], above.inputs[0])
+    links.new(above.outputs[0], background.inputs["Strength"])
+    world.cycles.sampling_method, world.cycles.sample_map_resolution = "MANUAL", 4
 
 
 def _mesh(bpy: Any, scene: Any, name: str, mesh: Mesh) -> None:
