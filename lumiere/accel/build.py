@@ -12,6 +12,9 @@ MAX_DEPTH = 48
 BINS = 32
 """Where clusters lie far apart, as those of the benchmark's million triangles do, 16 cost a fifth more; 64 as much as 32 (docs/performance.md)."""
 
+FEW = 64
+"""Nodes of at most so many primitives have half the bins, and a builder half the work with them."""
+
 SMALL = 4
 NODES_AT_ONCE = 1 << 16
 
@@ -62,10 +65,10 @@ def build(lower: np.ndarray, upper: np.ndarray, max_leaf_size: int = 4, traversa
 
     ``lower``, ``upper``: (n, 3) float32, finite, ``lower <= upper``. A node of at most ``max_leaf_size`` primitives becomes a leaf where
     splitting it would not lower the cost, one step of traversal costing ``traversal_cost`` intersections, which are made ``block``
-    primitives at a time: a part of a block costs as much as a whole one. Nodes are split at the best of
-    31 planes between 32 equal bins of the centroids, on each of the three axes (Wald 2007, "On fast construction of SAH-based bounding
-    volume hierarchies"), or of all planes between centroids where they are at most 4; in the middle of the sorted centroids where no
-    plane parts them, or where only halving keeps the depth within ``MAX_DEPTH``. Raises ValueError where a box is not as said.
+    primitives at a time: a part of a block costs as much as a whole one. Nodes are split at the best of the planes between ``BINS`` equal bins
+    of the centroids, or half of that where they are at most ``FEW``, on each of the three axes (Wald 2007, "On fast construction of SAH-based
+    bounding volume hierarchies"), or of all planes between centroids where they are at most ``SMALL``; in the middle of the sorted centroids where
+    no plane parts them, or where only halving keeps the depth within ``MAX_DEPTH``. Raises ValueError where a box is not as said.
     """
     lower, upper = np.asarray(lower, np.float32), np.asarray(upper, np.float32)
     if lower.ndim != 2 or lower.shape[1] != 3 or upper.shape != lower.shape:
@@ -158,17 +161,18 @@ def best_splits(boxes: np.ndarray, start: np.ndarray, count: np.ndarray, open_no
     """The best splits of a level's open nodes into children of at most ``largest_child`` primitives."""
     best = Splits(np.full(len(count), np.inf), np.zeros(len(count), np.int8), np.zeros(len(count), np.uint8),
                    np.zeros((3, boxes.shape[1]), np.uint8))
-    for small in (False, True):
-        nodes = np.flatnonzero(open_nodes & ((count <= SMALL) == small))
+    few, small = count <= FEW, count <= SMALL
+    for chosen, bins in ((~few, BINS), (few & ~small, BINS // 2), (small, SMALL)):
+        nodes = np.flatnonzero(open_nodes & chosen)
         for chunk in np.split(nodes, range(NODES_AT_ONCE, len(nodes), NODES_AT_ONCE)):
             if len(chunk):
-                _best_splits_of(best, chunk, boxes, start, count, largest_child, block, small)
+                _best_splits_of(best, chunk, boxes, start, count, largest_child, block, bins)
     return best
 
 
 def _best_splits_of(best: Splits, nodes: np.ndarray, boxes: np.ndarray, start: np.ndarray, count: np.ndarray, largest_child: int,
-                    block: int, small: bool) -> None:
-    """Sets ``best`` for some nodes, all of at most ``SMALL`` primitives or all of more."""
+                    block: int, bins: int) -> None:
+    """Sets ``best`` for some nodes, each of whose primitives goes into one of ``bins`` bins; ``SMALL``: by its rank."""
     local_count = count[nodes]
     if nodes[-1] - nodes[0] + 1 == len(nodes):
         primitives = slice(start[nodes[0]], start[nodes[-1]] + local_count[-1])
@@ -181,20 +185,20 @@ def _best_splits_of(best: Splits, nodes: np.ndarray, boxes: np.ndarray, start: n
     cost, best_axis, last = np.full(len(nodes), np.inf), np.zeros(len(nodes), np.int8), np.zeros(len(nodes), np.uint8)
     for axis in range(3):
         half_centre = 0.25 * local_boxes[axis] + 0.25 * local_boxes[axis + 3]  # half of it, so that no extent overflows
-        bins = (_ranks if small else _equal_bins)(half_centre, local_start, node_of)
-        histogram = _histogram(local_boxes, node_of, bins, SMALL if small else BINS, len(nodes))
+        bin_of = _ranks(half_centre, local_start, node_of) if bins == SMALL else _equal_bins(half_centre, local_start, node_of, bins)
+        histogram = _histogram(local_boxes, node_of, bin_of, bins, len(nodes))
         _sweep(cost, best_axis, last, axis, *histogram, largest_child, block)
-        best.bins[axis, primitives] = bins
+        best.bins[axis, primitives] = bin_of
     best.cost[nodes], best.axis[nodes], best.last[nodes] = cost, best_axis, last
 
 
-def _equal_bins(half_centre: np.ndarray, start: np.ndarray, node_of: np.ndarray) -> np.ndarray:
-    """Which of ``BINS`` equal parts, from its node's least to its greatest, each centroid lies in."""
+def _equal_bins(half_centre: np.ndarray, start: np.ndarray, node_of: np.ndarray, bins: int) -> np.ndarray:
+    """Which of ``bins`` equal parts, from its node's least to its greatest, each centroid lies in."""
     least = np.minimum.reduceat(half_centre, start)
     extent = np.maximum.reduceat(half_centre, start) - least
-    scale = np.float32(BINS) / np.maximum(extent, np.finfo(np.float32).tiny * BINS)
-    bins = ((half_centre - least[node_of]) * scale[node_of]).astype(np.int64)
-    return np.minimum(bins, BINS - 1, out=bins)
+    scale = np.float32(bins) / np.maximum(extent, np.finfo(np.float32).tiny * BINS)
+    bin_of = ((half_centre - least[node_of]) * scale[node_of]).astype(np.int64)
+    return np.minimum(bin_of, bins - 1, out=bin_of)
 
 
 def _ranks(half_centre: np.ndarray, start: np.ndarray, node_of: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from lumiere.accel.build import BINS, MAX_DEPTH, Topology
+from lumiere.accel.build import BINS, FEW, MAX_DEPTH, Topology
 from lumiere.device.array import DeviceArray
 from lumiere.device.program import ProgramSource, build_all
 from lumiere.device.source import assemble, c_struct
@@ -39,7 +39,7 @@ BYTES_PER_PRIMITIVE = 280
 @dataclass(frozen=True)
 class Grain:
     """How work is dealt out. ``group``: work-items that share a chunk of ``chunk`` primitives of a large node; ``small``: the most primitives of a
-    subtree that one work-item builds; ``span``: places in the order that one work-item encodes."""
+    subtree that one work-item builds, at least ``FEW``; ``span``: places in the order that one work-item encodes."""
 
     group: int
     chunk: int
@@ -57,7 +57,7 @@ def grain_for(device: Any, count: int) -> Grain:
     from lumiere.wavefront.policy import is_gpu
 
     if is_gpu(device):
-        return Grain(group=min(128, device.max_work_group_size), chunk=4096, small=max(64, count >> 15), span=32)
+        return Grain(group=min(128, device.max_work_group_size), chunk=4096, small=max(FEW, count >> 15), span=32)
     tasks = 32 * device.max_compute_units
     return Grain(group=1, chunk=max(1024, count // tasks), small=max(1024, count // tasks), span=max(1024, count // tasks))
 
@@ -112,7 +112,8 @@ class DeviceBuilder:
 
     def source(self, group: int, stack: int) -> ProgramSource:
         """The program, for work-groups of ``group`` and subtrees of less than 2 ** ``stack`` primitives."""
-        macros = {"GROUP": group, "SUBTREE_STACK": stack, "BINS": BINS, "BLOCK": self.block, "MAX_LEAF_SIZE": self.max_leaf_size, "MAX_DEPTH": MAX_DEPTH}
+        macros = {"GROUP": group, "SUBTREE_STACK": stack, "BINS": BINS, "FEW": FEW, "BLOCK": self.block, "MAX_LEAF_SIZE": self.max_leaf_size,
+                  "MAX_DEPTH": MAX_DEPTH}
         prelude = "".join(f"#define {name} {value}u\n" for name, value in macros.items())
         # Intel's compiler else vectorises across work-items, which takes subtrees in lockstep.
         prelude += f"#define KERNEL {'__attribute__((vec_type_hint(float8))) ' if group == 1 else ''}kernel\n"

@@ -10,7 +10,7 @@ import pyopencl as cl
 import pytest
 
 from lumiere.accel import Accelerated
-from lumiere.accel.build import Topology, build, half_area
+from lumiere.accel.build import FEW, Topology, build, half_area
 from lumiere.accel.bvh2 import Bvh2
 from lumiere.accel.bvh8 import WIDTH, Bvh8
 from lumiere.accel.cwbvh import Cwbvh, leaves_together
@@ -25,7 +25,7 @@ from tests.accel.test_traversal import assert_same_hits, mesh_triangles, rays_ar
 from tests.accel.tracer import NONE, Tracer
 from tests.contexts import context_of
 
-GRAINS = {"alone": Grain(group=1, chunk=500, small=100, span=64), "groups": Grain(group=64, chunk=512, small=32, span=32), "own": None}
+GRAINS = {"alone": Grain(group=1, chunk=500, small=100, span=64), "groups": Grain(group=64, chunk=512, small=FEW, span=32), "own": None}
 LAYOUTS: list[DeviceLayout] = [Bvh2(), Bvh8(), Cwbvh()]
 
 every_layout = pytest.mark.parametrize("layout", LAYOUTS, ids=lambda layout: layout.name)
@@ -59,7 +59,7 @@ def cost(topology: Topology, block: int) -> float:
 def box_sets() -> Iterator[tuple[str, np.ndarray, np.ndarray, bool]]:
     """Name, boxes, and whether the cost is to be compared."""
     random = np.random.default_rng(4)
-    for n in (9, 33, 5000, 20_000):
+    for n in (9, FEW + 1, 5000, 20_000):
         lower = random.random((n, 3)).astype(np.float32)
         yield f"{n} at random", lower, lower + np.float32(0.01), True
     sizes = random.lognormal(-5.0, 2.0, (4000, 3)).astype(np.float32)

@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pyopencl as cl
 
+from lumiere.accel.build import FEW
 from lumiere.accel.bvh2 import Bvh2
 from lumiere.accel.bvh8 import Bvh8
 from lumiere.accel.cwbvh import Cwbvh
@@ -25,7 +26,7 @@ def main() -> None:
     queue = cl.CommandQueue(context)
     for layout in (Bvh2(), Bvh8(), Cwbvh()):
         accelerator = OnDevice(layout, context, queue)
-        accelerator.builder.grain, accelerator.builder.shares_memory = Grain(group=16, chunk=64, small=16, span=8), False
+        accelerator.builder.grain, accelerator.builder.shares_memory = Grain(group=16, chunk=64, small=FEW, span=8), False
         made = accelerator.accelerate(Triangle, records, np.zeros((150, 3), np.uint32))
         assert np.array_equal(np.sort(made.order), np.arange(150))
         sys.stdout.write(f"built {layout.name}: {made.arrays['nodes'].shape}\n")

@@ -12,7 +12,7 @@ KERNEL void bin(global const counters_t *counters, const uint level, global cons
         return;
     uint node = chunks[chunk].node;
     uint first = chunks[chunk].first, count = chunks[chunk].count;
-    grid_t grid = grid_over(box_of_keys(bounds + 12u * open[node].bounds + 6u));
+    grid_t grid = grid_over(box_of_keys(bounds + 12u * open[node].bounds + 6u), BINS);
 #if GROUP > 1
     local uint counts[3u * BINS];
     local uint keys[6u * 3u * BINS];
@@ -24,7 +24,7 @@ KERNEL void bin(global const counters_t *counters, const uint level, global cons
     for (uint i = local_id; i < count; i += GROUP) {
         float8 box = primitives[first + i];
         uint key[6] = {float_key(box.s0), float_key(box.s1), float_key(box.s2), float_key(box.s4), float_key(box.s5), float_key(box.s6)};
-        int4 bins = grid_bins(&grid, box_centre(box));
+        int4 bins = grid_bins(&grid, BINS, box_centre(box));
         uint at_axis[3] = {(uint)bins.x, BINS + (uint)bins.y, 2u * BINS + (uint)bins.z};
         for (uint axis = 0u; axis < 3u; axis++) {
             uint at = at_axis[axis];
@@ -40,7 +40,7 @@ KERNEL void bin(global const counters_t *counters, const uint level, global cons
 #else
     uint counts[3u * BINS];
     float8 boxes[3u * BINS];
-    histogram_fill(boxes, counts, primitives + first, count, &grid);
+    histogram_fill(boxes, counts, primitives + first, count, &grid, BINS);
     for (uint i = 0u; i < 3u * BINS; i++)
         if (counts[i])
             box_join_keys(histogram_boxes + 6u * (3u * BINS * (size_t)node + i), boxes[i]);

@@ -2,16 +2,16 @@
 
 #include "accel/build/split.cl"
 
-static inline void histogram_fill(float8 *boxes, uint *counts, global const float8 *primitives, uint count, const grid_t *grid)
+static inline void histogram_fill(float8 *boxes, uint *counts, global const float8 *primitives, uint count, const grid_t *grid, uint bins)
 {
-    ROLLED for (uint i = 0u; i < 3u * BINS; i++) {
+    ROLLED for (uint i = 0u; i < 3u * bins; i++) {
         boxes[i] = box_nothing();
         counts[i] = 0u;
     }
     for (uint i = 0u; i < count; i++) {
         float8 box = primitives[i];
-        int4 bins = grid_bins(grid, box_centre(box));
-        uint x = (uint)bins.x, y = BINS + (uint)bins.y, z = 2u * BINS + (uint)bins.z;
+        const int4 at = grid_bins(grid, bins, box_centre(box));
+        const uint x = (uint)at.x, y = bins + (uint)at.y, z = 2u * bins + (uint)at.z;
         boxes[x] = box_join(boxes[x], box);
         boxes[y] = box_join(boxes[y], box);
         boxes[z] = box_join(boxes[z], box);

@@ -7,7 +7,7 @@ static inline bool partition_left(const plane_t *plane, const grid_t *grid, uint
 {
     if (plane->last == NO_PLANE)
         return at < plane->middle;
-    return grid_bin(grid, plane->axis, box_centre(box)) <= plane->last;
+    return grid_bin(grid, BINS, plane->axis, box_centre(box)) <= plane->last;
 }
 
 static inline void box_join_group(local uint *keys, float8 box)
@@ -34,7 +34,7 @@ KERNEL void partition(global const counters_t *counters, const uint level, globa
         for (uint i = local_id; i < 3u * BINS; i += GROUP)
             histogram_counts[3u * BINS * (size_t)node + i] = 0u;
     }
-    grid_t grid = grid_over(box_of_keys(bounds + 12u * open[node].bounds + 6u));
+    grid_t grid = grid_over(box_of_keys(bounds + 12u * open[node].bounds + 6u), BINS);
     plane_t plane = planes[level * counters->room + node];
     uint run = (chunks[chunk].count + GROUP - 1u) / GROUP, count = chunks[chunk].count;
     uint begin = min(local_id * run, count), end = min(begin + run, count), first = chunks[chunk].first;

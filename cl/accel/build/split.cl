@@ -11,32 +11,32 @@ typedef struct {
     uint last;  // bin on the left; NO_PLANE: the first half goes there
 } split_t;
 
-// Bins of equal width over the centroids.
+// Bins of equal width over the centroids, BINS of them, or of a node of few primitives half as many.
 typedef struct {
     float4 least;
     float4 scale;
 } grid_t;
 
-static inline grid_t grid_over(float8 centres)
+static inline grid_t grid_over(float8 centres, uint bins)
 {
     grid_t grid;
     float3 extent = -centres.s456 - centres.s012;
     grid.least = (float4)(centres.s012, 0.0f);
-    grid.scale = (float4)((float)BINS / (extent > 0x1p-122f ? extent : (float3)(0x1p-122f)), 0.0f);
+    grid.scale = (float4)((float)bins / (extent > 0x1p-122f ? extent : (float3)(0x1p-122f)), 0.0f);
     return grid;
 }
 
 // The bins on the three axes of a centroid.
-static inline int4 grid_bins(const grid_t *grid, float8 centre)
+static inline int4 grid_bins(const grid_t *grid, uint bins, float8 centre)
 {
-    int4 bins = convert_int4((centre.s0123 - grid->least) * grid->scale);
-    return bins < (int4)(BINS) ? bins : (int4)(BINS - 1);
+    const int4 at = convert_int4((centre.s0123 - grid->least) * grid->scale), last = (int4)((int)bins - 1);
+    return at < last ? at : last;
 }
 
-static inline uint grid_bin(const grid_t *grid, uint axis, float8 centre)
+static inline uint grid_bin(const grid_t *grid, uint bins, uint axis, float8 centre)
 {
-    int4 bins = grid_bins(grid, centre);
-    return (uint)(axis == 0u ? bins.x : axis == 1u ? bins.y : bins.z);
+    const int4 at = grid_bins(grid, bins, centre);
+    return (uint)(axis == 0u ? at.x : axis == 1u ? at.y : at.z);
 }
 
 static inline uint blocks_of(uint count)

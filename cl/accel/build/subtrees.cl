@@ -11,23 +11,23 @@ typedef struct {
     uint slot, first, count, turns;
 } pending_t;
 
-static inline split_t subtree_split(const pending_t *node, const grid_t *grid, global const float8 *own, uint largest, pending_t *left, pending_t *right)
+static inline split_t subtree_split(const pending_t *node, const grid_t *grid, uint bins, global const float8 *own, uint largest, pending_t *left, pending_t *right)
 {
     float8 boxes[3u * BINS];
     uint counts[3u * BINS];
-    histogram_fill(boxes, counts, own, node->count, grid);
+    histogram_fill(boxes, counts, own, node->count, grid, bins);
     split_t split = {INFINITY, 0u, NO_PLANE};
     float scale = box_unit_scale(node->box);
     ROLLED for (uint axis = 0u; axis < 3u; axis++)
-        split_sweep(&split, axis, boxes + axis * BINS, counts + axis * BINS, BINS, node->count, largest, scale);
+        split_sweep(&split, axis, boxes + axis * bins, counts + axis * bins, bins, node->count, largest, scale);
     if (split.last != NO_PLANE) {
         left->box = right->box = box_nothing();
         left->count = 0u;
-        ROLLED for (uint i = 0u; i < BINS; i++) {
-            float8 box = boxes[split.axis * BINS + i];
+        ROLLED for (uint i = 0u; i < bins; i++) {
+            float8 box = boxes[split.axis * bins + i];
             if (i <= split.last) {
                 left->box = box_join(left->box, box);
-                left->count += counts[split.axis * BINS + i];
+                left->count += counts[split.axis * bins + i];
             } else {
                 right->box = box_join(right->box, box);
             }
@@ -44,14 +44,14 @@ static inline bool subtree_ends(const pending_t *node, const split_t *split)
 }
 
 // Parts a node's primitives by a plane. The sides' boxes are known.
-static inline void subtree_part(const split_t *split, const grid_t *grid, global const float8 *own, uint count, global float8 *parted, pending_t *left,
+static inline void subtree_part(const split_t *split, const grid_t *grid, uint bins, global const float8 *own, uint count, global float8 *parted, pending_t *left,
                                 pending_t *right)
 {
     uint to_left = 0u, to_right = left->count;
     left->centres = right->centres = box_nothing();
     for (uint i = 0u; i < count; i++) {
         float8 box = own[i], centre = box_centre(box);
-        bool goes_left = grid_bin(grid, split->axis, centre) <= split->last;
+        bool goes_left = grid_bin(grid, bins, split->axis, centre) <= split->last;
         parted[goes_left ? to_left : to_right] = box;
         to_left += goes_left;
         to_right += !goes_left;
@@ -97,11 +97,12 @@ KERNEL void subtrees(global const subtree_t *roots, const uint root_count, globa
     for (;;) {
         global float8 *own = (level % 2u ? odd : even) + node.first, *parted = (level % 2u ? even : odd) + node.first;
         split_t split = {INFINITY, 0u, NO_PLANE};
-        grid_t grid = grid_over(node.centres);
+        const uint bins = node.count > FEW ? BINS : BINS / 2u;
+        grid_t grid = grid_over(node.centres, bins);
         uint sides = 0u;
         pending_t left, right;
         if (node.count > SMALL && node.count > BLOCK)
-            split = subtree_split(&node, &grid, own, largest_child(level), &left, &right);
+            split = subtree_split(&node, &grid, bins, own, largest_child(level), &left, &right);
         else if (node.count > BLOCK)
             split = small_split(own, node.count, largest_child(level), box_unit_scale(node.box), &sides);
         if (subtree_ends(&node, &split)) {
@@ -117,7 +118,7 @@ KERNEL void subtrees(global const subtree_t *roots, const uint root_count, globa
         if (sides != 0u || split.last == NO_PLANE)
             subtree_deal(sides, own, node.count, parted, &left, &right);
         else
-            subtree_part(&split, &grid, own, node.count, parted, &left, &right);
+            subtree_part(&split, &grid, bins, own, node.count, parted, &left, &right);
         pair++;
         node_store(nodes, node.slot, node.box, node.first, pair);
         turns[pair] = (uchar)(node.turns + 1u);
