@@ -34,7 +34,8 @@ static inline void bvh8_block_test(const triangle_ray_t *ray, global const float
     if (result->met == 0UL)
         return;
     float8 determinant = edge_a + edge_b + edge_c, size = bvh8_abs(determinant);
-    int8 doubt = (edge_a == 0.0f) | (edge_b == 0.0f) | (edge_c == 0.0f) | ~((size > 0x1p-100f) & (size < 0x1p100f));
+    const ulong on_edge = bvh8_lanes((edge_a == 0.0f) | (edge_b == 0.0f) | (edge_c == 0.0f));
+    const ulong sized = bvh8_lanes((size > 0x1p-100f) & (size < 0x1p100f));
     // The plane through the vertices: the origin's height over it, with the bound of its rounding, and t (see triangle_intersect).
     float8 e1x = v[3 + axis.x] - v[axis.x], e1y = v[3 + axis.y] - v[axis.y], e1z = v[3 + axis.z] - v[axis.z];
     float8 e2x = v[6 + axis.x] - v[axis.x], e2y = v[6 + axis.y] - v[axis.y], e2z = v[6 + axis.z] - v[axis.z];
@@ -51,9 +52,9 @@ static inline void bvh8_block_test(const triangle_ray_t *ray, global const float
     z = z > high ? high : z;
     float8 t = z * ray->shear.z;
     float8 area = bvh8_abs(nx) + bvh8_abs(ny) + bvh8_abs(nz);
-    doubt |= ~((area > 0x1p-100f) & (area < 0x1p100f));
-    result->met = bvh8_lanes(inside & ~doubt & (bvh8_abs(height) > error) & (t > 0.0f) & (t < t_max));
-    result->doubt = bvh8_lanes(inside & doubt);
+    const ulong sure = sized & ~on_edge & bvh8_lanes((area > 0x1p-100f) & (area < 0x1p100f));
+    result->doubt = result->met & ~sure;
+    result->met &= sure & bvh8_lanes((bvh8_abs(height) > error) & (t > 0.0f) & (t < t_max));
     result->t.all = t;
     result->u.all = edge_b / determinant;
     result->v.all = edge_c / determinant;
