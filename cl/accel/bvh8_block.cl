@@ -52,7 +52,9 @@ static inline void bvh8_block_test(const triangle_ray_t *ray, global const float
     z = z > high ? high : z;
     float8 t = z * ray->shear.z;
     float8 area = bvh8_abs(nx) + bvh8_abs(ny) + bvh8_abs(nz);
-    const ulong sure = sized & ~on_edge & bvh8_lanes((area > 0x1p-100f) & (area < 0x1p100f));
+    // Heights are products of three: where their parts under- or overflow, so does the bound of their rounding, nearly.
+    const ulong ranged = bvh8_lanes((area > 0x1p-100f) & (area < 0x1p100f) & (error > 0x1p-120f) & (error < 0x1p100f));
+    const ulong sure = sized & ~on_edge & ranged;
     result->doubt = result->met & ~sure;
     result->met &= sure & bvh8_lanes((bvh8_abs(height) > error) & (t > 0.0f) & (t < t_max));
     result->t.all = t;

@@ -11,7 +11,8 @@ typedef struct {
     uint slot, first, count, turns;
 } pending_t;
 
-static inline split_t subtree_split(const pending_t *node, const grid_t *grid, uint bins, global const float8 *own, uint largest, pending_t *left, pending_t *right)
+static inline split_t subtree_split(const pending_t *node, const grid_t *grid, uint bins, global const float8 *own, uint largest, pending_t *left,
+                                    pending_t *right)
 {
     float8 boxes[3u * BINS];
     uint counts[3u * BINS];
@@ -44,8 +45,8 @@ static inline bool subtree_ends(const pending_t *node, const split_t *split)
 }
 
 // Parts a node's primitives by a plane. The sides' boxes are known.
-static inline void subtree_part(const split_t *split, const grid_t *grid, uint bins, global const float8 *own, uint count, global float8 *parted, pending_t *left,
-                                pending_t *right)
+static inline void subtree_part(const split_t *split, const grid_t *grid, uint bins, global const float8 *own, uint count, global float8 *parted,
+                                pending_t *left, pending_t *right)
 {
     uint to_left = 0u, to_right = left->count;
     left->centres = right->centres = box_nothing();
